@@ -9,11 +9,23 @@ from typing import Final
 
 from grader.contracts.assignment import Assignment
 from grader.contracts.conversation import Expectation, Step
-from grader.edits.situation import Proposal, Situation, Stated
-from grader.edits.slices import assignments, calls_of, dotted, expressions_behind, is_read, number_of
+from grader.edits.situation import Proposal, Situation, Stated, replacing
+from grader.edits.slices import (
+    assignments,
+    callee,
+    calls_of,
+    dotted,
+    expressions_behind,
+    function_around,
+    functions_of,
+    is_read,
+    makes_node,
+    named_in,
+    number_of,
+    set_once,
+)
 from grader.edits.tree import Edit, ParsedScript
 
-_Functions: Final = (ast.FunctionDef, ast.AsyncFunctionDef)
 _NAMED_BY: Final = {
     "create_publisher": "topic",
     "create_subscription": "topic",
@@ -132,14 +144,8 @@ def _renamed(seen: Situation, constants: list[ast.Constant], name: str, place: i
     first = constants[0]
     keeps_mark = str(first.value).startswith("/")
     new = repr(name if keeps_mark else name.strip("/"))
-    edits = tuple(seen.script.replaced(one, new) for one in constants)
-    return _name(seen.script, 0.8 + 0.2 * place, first, new, *edits)
-
-
-def _name(script: ParsedScript, cost: float, node: ast.expr, new: str, *edits: Edit) -> Proposal:
-    """Return the proposal that writes `new` for an expression."""
-    values = {"line": node.lineno, "old": script.source(node), "new": new}
-    return Proposal("name", cost, edits or (script.replaced(node, new),), values)
+    others = [seen.script.replaced(one, new) for one in constants[1:]]
+    return replacing(seen.script, "name", 0.8 + 0.2 * place, first, new, *others)
 
 
 def _missing(cost: float, edit: Edit, line: int, new: str) -> Proposal:
@@ -159,14 +165,14 @@ def _kinds(seen: Situation) -> Iterator[Proposal]:
             kind = next((one for one in call.args if dotted(one) in imported), None)
             for new in sorted(seen.asked.kinds & imported) if kind is not None else ():
                 if kind is not None and dotted(kind) != new and dotted(kind) not in seen.asked.kinds:
-                    yield _name(seen.script, 0.7, kind, new)
+                    yield replacing(seen.script, "name", 0.7, kind, new)
 
 
 def _answers(seen: Situation) -> Iterator[Proposal]:
     """Yield other operators, operands and numbers in what is computed for a field that is asked for."""
     script, fields = seen.script, seen.asked.fields
     lines = [one.statement.lineno for one in assignments(script) if one.target.rpartition(".")[2] in fields]
-    for call in (one for name in _GROWING for one in calls_of(script, name)):
+    for call in calls_of(script, *_GROWING):
         if fields & set(dotted(call.func).split(".")):
             lines.append(call.lineno)
     lines += [
@@ -180,40 +186,37 @@ def _answers(seen: Situation) -> Iterator[Proposal]:
             yield from _calculations(script, node, cost)
         elif isinstance(node, ast.Constant) and type(node.value) is int and node.value <= _MOST_NUMBER:
             yield from (
-                _name(script, cost + 0.3 + 0.05 * abs(near), node, str(near))
+                replacing(script, "name", cost + 0.3 + 0.05 * abs(near), node, str(near))
                 for near in (node.value - 1, node.value + 1)
                 if near >= 0
             )
         elif isinstance(node, ast.Attribute) and node.attr in seen.asked.inputs and dotted(node.value):
             others = (one for one in seen.asked.inputs if one != node.attr)
-            yield from (_name(script, cost, node, f"{dotted(node.value)}.{one}") for one in others)
+            yield from (
+                replacing(script, "name", cost, node, f"{dotted(node.value)}.{one}") for one in others
+            )
 
 
 def _calculations(script: ParsedScript, node: ast.BinOp, cost: float) -> Iterator[Proposal]:
     left, right = script.source(node.left), script.source(node.right)
     for place, sign in enumerate(_OPERATORS.values()):
         if sign != _OPERATORS[type(node.op)]:
-            yield _name(script, cost + 0.1 * place, node, f"{left} {sign} {right}")
+            yield replacing(script, "name", cost + 0.1 * place, node, f"{left} {sign} {right}")
     for other, kept in ((node.left, right), (node.right, left)):
         if number_of(other) is not None:
-            yield _name(script, cost - 0.1, node, kept)
+            yield replacing(script, "name", cost - 0.1, node, kept)
     if isinstance(node.op, ast.Sub):
-        yield _name(script, cost, node, f"{right} - {left}")
-
-
-def _number_given(script: ParsedScript, node: ast.expr) -> ast.expr | None:
-    """Return where the number stands that an expression is; None where it is none, or more than one."""
-    values = [one.value for one in assignments(script) if one.target == dotted(node)] or [node]
-    return values[0] if len(values) == 1 and number_of(values[0]) is not None else None
+        yield replacing(script, "name", cost, node, f"{right} - {left}")
 
 
 def _rates(seen: Situation) -> Iterator[Proposal]:
     """Yield the period of the rate that is asked for, for another one of a timer."""
     for call in calls_of(seen.script, "create_timer"):
-        number = _number_given(seen.script, call.args[0]) if call.args else None
-        for rate_hz in seen.asked.rates_hz if number is not None else ():
-            if number is not None and number_of(number) != 1.0 / rate_hz:
-                yield _name(seen.script, 0.8, number, f"{1.0 / rate_hz:g}")
+        number = set_once(seen.script, call.args[0]) if call.args else None
+        period = None if number is None else number_of(number)
+        for rate_hz in seen.asked.rates_hz:
+            if number is not None and period is not None and period != 1.0 / rate_hz:
+                yield replacing(seen.script, "name", 0.8, number, f"{1.0 / rate_hz:g}")
 
 
 def _uncounted(seen: Situation) -> Iterator[Proposal]:
@@ -232,49 +235,25 @@ def _uncounted(seen: Situation) -> Iterator[Proposal]:
 
 def _left_out(seen: Situation) -> Iterator[Proposal]:
     """Yield a node for the executor that was given others, or none."""
-    classes = {node.name for node in ast.walk(seen.script.tree) if isinstance(node, ast.ClassDef)}
     given = [dotted(call.args[0]) for call in calls_of(seen.script, "add_node") if call.args]
-    executor = next(
-        (
-            one
-            for one in assignments(seen.script)
-            if isinstance(one.value, ast.Call) and dotted(one.value.func).endswith("Executor")
-        ),
-        None,
-    )
-    for one in assignments(seen.script) if executor is not None else ():
-        made = isinstance(one.value, ast.Call) and dotted(one.value.func).rpartition(".")[2] in {
-            *classes,
-            "create_node",
-            "Node",
-        }
-        if executor is not None and made and one.target not in given:
-            last = max((one.statement, executor.statement), key=lambda each: each.lineno)
-            new = f"{executor.target}.add_node({one.target})"
+    executors = [one for one in assignments(seen.script) if callee(one.value).endswith("Executor")]
+    for one in assignments(seen.script) if executors else ():
+        if makes_node(seen.script, one) and one.target not in given:
+            last = max((one.statement, executors[0].statement), key=lambda each: each.lineno)
+            new = f"{executors[0].target}.add_node({one.target})"
             yield _missing(0.9, seen.script.inserted_after(last, new), last.lineno, new)
 
 
 def _ends_of_goals(seen: Situation) -> Iterator[Proposal]:
     """Yield what ends a goal of an action: that it succeeded, and its result."""
     script = seen.script
-    callbacks = {
-        dotted(one).rpartition(".")[2]
-        for call in calls_of(script, "ActionServer")
-        for one in (
-            *call.args,
-            *(keyword.value for keyword in call.keywords if keyword.arg != "callback_group"),
-        )
-    }
-    for function in ast.walk(script.tree):
-        if not isinstance(function, _Functions) or function.name not in callbacks:
-            continue
+    callbacks = named_in(calls_of(script, "ActionServer"))
+    for function in (one for one in functions_of(script) if one.name in callbacks):
         last, inside = function.body[-1], list(ast.walk(function))
         results = [
             one.target
             for one in assignments(script)
-            if one.statement in inside
-            and isinstance(one.value, ast.Call)
-            and dotted(one.value.func).endswith(".Result")
+            if one.statement in inside and callee(one.value).endswith(".Result")
         ]
         handle = function.args.args[-1].arg if function.args.args else ""
         ends = any(isinstance(one, ast.Attribute) and one.attr == "succeed" for one in inside)
@@ -295,18 +274,16 @@ def _read_once(seen: Situation) -> Iterator[Proposal]:
     """Yield a parameter that is read where it is used, for one that was read once and may have been set since."""
     for one in assignments(seen.script) if seen.asked.names.get("parameter") else ():
         value = one.value
-        if not (
-            isinstance(value, ast.Attribute) and isinstance(value.value, ast.Call) and value.attr == "value"
-        ):
+        if not (isinstance(value, ast.Attribute) and value.attr == "value"):
             continue
-        if not dotted(value.value.func).endswith("get_parameter"):
+        if not callee(value.value).endswith("get_parameter"):
             continue
-        own = next((each for each in seen.script.around(one.statement) if isinstance(each, _Functions)), None)
+        own = function_around(seen.script, one.statement)
         for node in ast.walk(seen.script.tree):
             if not isinstance(node, ast.Attribute | ast.Name) or dotted(node) != one.target:
                 continue
             if is_read(seen.script, node) and not any(each is own for each in seen.script.around(node)):
-                yield _name(seen.script, 1.4, node, seen.script.source(value))
+                yield replacing(seen.script, "name", 1.4, node, seen.script.source(value))
 
 
 def _logged(seen: Situation) -> Iterator[Proposal]:
@@ -314,7 +291,7 @@ def _logged(seen: Situation) -> Iterator[Proposal]:
     for call in ast.walk(seen.script.tree) if seen.asked.logs else ():
         if not isinstance(call, ast.Call) or getattr(call.func, "attr", "") != "info":
             continue
-        function = next((one for one in seen.script.around(call) if isinstance(one, _Functions)), None)
+        function = function_around(seen.script, call)
         message = function.args.args[-1].arg if function is not None and function.args.args else "self"
         for name in seen.asked.inputs if message != "self" else ():
             for given in call.args:
@@ -324,14 +301,13 @@ def _logged(seen: Situation) -> Iterator[Proposal]:
                     (f"{{{message}}}", f"{{{message}.{name}}}") if braces else (message, f"{message}.{name}")
                 )
                 if before in old and after not in old:
-                    yield _name(seen.script, 1.0, given, old.replace(before, after))
+                    yield replacing(seen.script, "name", 1.0, given, old.replace(before, after))
 
 
 def _levels(seen: Situation) -> Iterator[Proposal]:
     """Yield the distance that is to be kept, for another number that is given a name, compared or taken off."""
-    rates = {dotted(one.value) for one in assignments(seen.script) if one.target.endswith((".x", ".z"))} - {
-        ""
-    }
+    speeds = (one for one in assignments(seen.script) if one.target.endswith((".x", ".z")))
+    rates = {dotted(one.value) for one in speeds} - {""}
     for node in ast.walk(seen.script.tree) if seen.asked.levels else ():
         value, parent = number_of(node), seen.script.parent(node)
         if value is None or value <= 0.0 or not isinstance(node, ast.Constant):
@@ -347,7 +323,7 @@ def _levels(seen: Situation) -> Iterator[Proposal]:
         for level in seen.asked.levels:
             ratio = abs(math.log(value / level))
             if _SAME < ratio <= math.log(_MOST_RATIO) * 1.01:
-                yield _name(seen.script, 1.0 + 0.1 * ratio + 0.4 * (not name), node, f"{level:g}")
+                yield replacing(seen.script, "name", 1.0 + 0.1 * ratio + 0.4 * (not name), node, f"{level:g}")
 
 
 def _goals(seen: Situation) -> Iterator[Proposal]:
@@ -364,7 +340,9 @@ def _goals(seen: Situation) -> Iterator[Proposal]:
         if isinstance(node, ast.Tuple | ast.List) and pair and None not in pair and pair not in goals:
             for place, (x_m, y_m) in enumerate(sorted(missing, key=lambda goal: -len({*goal} & {*pair}))[:2]):
                 open_, close = ("(", ")") if isinstance(node, ast.Tuple) else ("[", "]")
-                yield _name(seen.script, 0.9 + 0.2 * place, node, f"{open_}{x_m:g}, {y_m:g}{close}")
+                yield replacing(
+                    seen.script, "name", 0.9 + 0.2 * place, node, f"{open_}{x_m:g}, {y_m:g}{close}"
+                )
     if len(goals) == 1:
         yield from _named_goals(seen, goals[0])
 
@@ -378,7 +356,7 @@ def _named_goals(seen: Situation, goal: tuple[float, float]) -> Iterator[Proposa
         if is_goal and value is not None and value != wanted:
             wrong.append((one.value, f"{wanted:g}" if wanted % 1 else f"{wanted:.1f}"))
     for node, new in wrong:
-        yield _name(seen.script, 1.0, node, new)
+        yield replacing(seen.script, "name", 1.0, node, new)
     if len(wrong) > 1:
-        edits = (seen.script.replaced(node, new) for node, new in wrong)
-        yield _name(seen.script, 0.95, *wrong[0], *edits)
+        others = (seen.script.replaced(node, new) for node, new in wrong[1:])
+        yield replacing(seen.script, "name", 0.95, *wrong[0], *others)

@@ -6,12 +6,20 @@ from collections import Counter
 from collections.abc import Iterator
 from typing import Final
 
-from grader.edits.situation import Proposal, Situation
-from grader.edits.slices import assignments, calls_of, dotted, is_method
+from grader.edits.situation import Proposal, Situation, replacing
+from grader.edits.slices import (
+    Functions,
+    assignments,
+    callee,
+    calls_of,
+    classes_of,
+    dotted,
+    functions_of,
+    is_method,
+)
 from grader.edits.spins import node_name
 from grader.edits.tree import Edit, ParsedScript
 
-_Functions: Final = (ast.FunctionDef, ast.AsyncFunctionDef)
 _COMMENTED: Final = re.compile(
     r"^([ \t]*)# ?(((?:[\w.]|\(\))+)\([^#]*\)|[\w.]+\.(?:linear|angular)\.\w+ *= *[^#]+)$"
 )
@@ -40,16 +48,12 @@ def _named_only(seen: Situation) -> Iterator[Proposal]:
         given = {"spin": node_name(seen.script), "publish": "msg"}.get(name.rpartition(".")[2], "")
         for place, arguments in enumerate([given] if given else _arguments(seen, name.rpartition(".")[2])):
             new = f"{name}({arguments})"
-            values = {"line": node.lineno, "old": name, "new": new}
-            edit = seen.script.replaced(node.value, new)
-            yield Proposal("brackets", 0.8 + place * 0.05, (edit,), values)
+            yield replacing(seen.script, "brackets", 0.8 + place * 0.05, node.value, new)
 
 
 def _arguments(seen: Situation, name: str) -> list[str]:
     """Return what may be given to a function: as elsewhere, nothing, names that nothing asks for, wanted sizes."""
-    functions = [
-        one for one in ast.walk(seen.script.tree) if isinstance(one, _Functions) and one.name == name
-    ]
+    functions = [one for one in functions_of(seen.script) if one.name == name]
     if not functions:
         return [""]
     arguments = functions[-1].args
@@ -72,33 +76,26 @@ def _lambdas(seen: Situation) -> Iterator[Proposal]:
     for node in ast.walk(seen.script.tree):
         if isinstance(node, ast.Lambda) and dotted(node.body):
             name = dotted(node.body)
-            edit = seen.script.replaced(node.body, f"{name}()")
-            yield Proposal("brackets", 0.8, (edit,), {"line": node.lineno, "old": name, "new": f"{name}()"})
+            yield replacing(seen.script, "brackets", 0.8, node.body, f"{name}()")
 
 
 def _objects(seen: Situation) -> Iterator[Proposal]:
     """Yield an object, where a class of the script's own is given to `spin`."""
-    classes = {node.name for node in ast.walk(seen.script.tree) if isinstance(node, ast.ClassDef)}
+    classes = {node.name for node in classes_of(seen.script)}
     for call in calls_of(seen.script, "spin"):
         if call.args and dotted(call.args[0]) in classes:
             name = dotted(call.args[0])
-            made = next((one.target for one in assignments(seen.script) if _makes(one.value, name)), "")
+            made = next((one.target for one in assignments(seen.script) if callee(one.value) == name), "")
             if made:
-                values = {"line": call.lineno, "old": name, "new": made}
-                yield Proposal("name", 0.4, (seen.script.replaced(call.args[0], made),), values)
-            edit = seen.script.replaced(call.args[0], f"{name}()")
-            yield Proposal("brackets", 0.6, (edit,), {"line": call.lineno, "old": name, "new": f"{name}()"})
-
-
-def _makes(value: ast.expr, name: str) -> bool:
-    return isinstance(value, ast.Call) and dotted(value.func) == name
+                yield replacing(seen.script, "name", 0.4, call.args[0], made)
+            yield replacing(seen.script, "brackets", 0.6, call.args[0], f"{name}()")
 
 
 def _never_called(seen: Situation) -> Iterator[Proposal]:
     """Yield a call of a function that nothing calls: at the end, or behind the call of one of its kind."""
     used = _used_names(seen.script)
-    for node in ast.walk(seen.script.tree):
-        if not isinstance(node, _Functions) or node.name.startswith("__") or node.name in used:
+    for node in functions_of(seen.script):
+        if node.name.startswith("__") or node.name in used:
             continue
         values = {"line": node.lineno, "name": node.name}
         yield from _behind_others(seen, node, values)
@@ -116,14 +113,12 @@ def _never_called(seen: Situation) -> Iterator[Proposal]:
             yield Proposal("call", 1.0, (edit,), values)
 
 
-def _behind_others(
-    seen: Situation, function: ast.FunctionDef | ast.AsyncFunctionDef, values: dict[str, object]
-) -> Iterator[Proposal]:
+def _behind_others(seen: Situation, function: Functions, values: dict[str, object]) -> Iterator[Proposal]:
     """Yield a call behind each one in a loop of another function that stands in the same place as `function`."""
     others = {
         one.name
         for one in seen.script.block_of(function)
-        if isinstance(one, _Functions)
+        if isinstance(one, Functions)
         and one is not function
         and len(one.args.args) == len(function.args.args)
     }
@@ -137,13 +132,11 @@ def _behind_others(
                 yield Proposal("call", 1.4 + place * 0.05, (edit,), values)
 
 
-def _on_object(
-    seen: Situation, method: ast.FunctionDef | ast.AsyncFunctionDef, values: dict[str, object]
-) -> Iterator[Proposal]:
+def _on_object(seen: Situation, method: Functions, values: dict[str, object]) -> Iterator[Proposal]:
     """Yield the call of a method behind the line that makes its object."""
     owner = getattr(seen.script.parent(method), "name", "")
     for one in assignments(seen.script):
-        if _makes(one.value, owner):
+        if callee(one.value) == owner:
             edit = seen.script.inserted_after(one.statement, f"{one.target}.{method.name}()")
             yield Proposal("call", 1.2, (edit,), values)
 
@@ -161,7 +154,7 @@ def _defined_twice(seen: Situation) -> Iterator[Proposal]:
             continue
         first: dict[str, int] = {}
         for one in node.body:
-            if isinstance(one, _Functions) and not one.decorator_list:
+            if isinstance(one, Functions) and not one.decorator_list:
                 if one.name in first:
                     values = {"line": one.lineno, "name": one.name, "before": first[one.name]}
                     yield Proposal("defined_twice", 0.6, (seen.script.removed(one),), values)
@@ -170,7 +163,7 @@ def _defined_twice(seen: Situation) -> Iterator[Proposal]:
 
 def _commented(seen: Situation) -> Iterator[Proposal]:
     """Yield a call, or a speed, that only stands in a comment."""
-    functions = {one.name for one in ast.walk(seen.script.tree) if isinstance(one, _Functions)} | _WORK
+    functions = {one.name for one in functions_of(seen.script)} | _WORK
     lines = enumerate(seen.script.text.splitlines(), start=1)
     matches = ((number, match) for number, line in lines if (match := _COMMENTED.match(line)))
     for number, match in list(matches)[:_MOST_COMMENTS]:

@@ -13,22 +13,24 @@ from typing import Final
 from grader.contracts.outcome import RunStatus
 from grader.edits.directions import alternating
 from grader.edits.fitting import too_large
-from grader.edits.flow import AXES
 from grader.edits.poses import begins_again, one_coordinate, set_anew, unfolded, unheard
 from grader.edits.received import Motion
 from grader.edits.situation import HOLD_NS, Cause, Driven, Situation
 from grader.edits.slices import (
+    Functions,
     assignments,
+    callee,
     calls_of,
     dotted,
     function_around,
+    functions_of,
     is_read,
     named_in,
     number_of,
+    statement_around,
 )
 from grader.edits.tree import ParsedScript
 
-_Functions: Final = (ast.FunctionDef, ast.AsyncFunctionDef)
 _MAKERS: Final = ("create_timer", "create_subscription", "create_service", "create_client", "Thread", "Timer")
 _WORK: Final = ("publish", "create_publisher", "create_timer", "create_subscription", "info", "spin")
 _SPINS: Final = ("spin", "spin_once", "spin_until_future_complete", "add_node")
@@ -73,7 +75,6 @@ def stated_cause(seen: Situation) -> Cause | None:
         _unfinished,
         _never_ran,
         _endless,
-        _idle_axis,
         set_anew,
         one_coordinate,
         unfolded,
@@ -92,7 +93,7 @@ def _overridden(seen: Situation) -> Iterator[Cause]:
     classes = (one for one in ast.walk(seen.script.tree) if isinstance(one, ast.ClassDef))
     nodes = (one for one in classes if any(dotted(base).endswith("Node") for base in one.bases))
     for one in itertools.chain.from_iterable(node.body for node in nodes):
-        if isinstance(one, _Functions) and one.name in _OF_NODE:
+        if isinstance(one, Functions) and one.name in _OF_NODE:
             in_rclpy = _UNCALLED.search(error.message) is not None and f".{one.name}" not in shown
             if in_rclpy or f".{one.name}()" in error.message:
                 yield Cause("overridden", one.lineno, {"name": one.name, "before": error.line})
@@ -103,7 +104,7 @@ def _unfinished(seen: Situation) -> Iterator[Cause]:
     misses = not (any(one.motion.v for one in seen.driven) and any(one.motion.w for one in seen.driven))
     handed = _handed_over(seen.script)
     for node in ast.walk(seen.script.tree) if misses else ():
-        if isinstance(node, _Functions) and isinstance(node.body[-1], ast.Pass):
+        if isinstance(node, Functions) and isinstance(node.body[-1], ast.Pass):
             empty = all(isinstance(one, ast.Pass) or _is_text(one) for one in node.body)
             if empty and node.name not in handed and node.body[-1].lineno in seen.ledger.ran:
                 text = f"{node.name}(): {seen.script.line(node.body[-1].lineno).strip()}"
@@ -124,10 +125,8 @@ def _never_ran(seen: Situation) -> Iterator[Cause]:
     if not seen.ledger.whole:
         return
     reached = _Reached(seen)
-    for call in sorted(
-        (one for name in _WORK for one in calls_of(seen.script, name)), key=lambda one: one.lineno
-    ):
-        statement = reached.statement_of(call)
+    for call in sorted(calls_of(seen.script, *_WORK), key=lambda call: call.lineno):
+        statement = statement_around(seen.script, call)
         if statement is None or reached.ran(statement):
             continue
         if seen.driven and not dotted(call.func).endswith(("publish", "create_timer")):
@@ -152,11 +151,6 @@ class _Reached:
         self._script = seen.script
         self._end = {line for line, _, _ in seen.ledger.end}
 
-    def statement_of(self, node: ast.AST) -> ast.stmt | None:
-        """Return the statement that a node stands in."""
-        around = (one for one in (node, *self._script.around(node)) if isinstance(one, ast.stmt))
-        return next(around, None)
-
     def ran(self, statement: ast.stmt) -> bool:
         """Whether a statement began; of a compound one its head."""
         body = getattr(statement, "body", None)
@@ -175,7 +169,7 @@ class _Reached:
             if (before := self._ended_before(block[:place])) is not None:
                 return Cause(before[0], line, {"before": before[1]})
             above = self._script.parent(inner)
-            if isinstance(above, _Functions):
+            if isinstance(above, Functions):
                 return None if self.ran(above.body[0]) else self._function(above, line, most_callers - 1)
             if isinstance(above, ast.If | ast.While | ast.For) and self.ran(above):
                 return None if self.ran(block[0]) else self._head(above, inner, line)
@@ -189,8 +183,6 @@ class _Reached:
             if not self.ran(one):
                 continue
             lines = range(one.lineno, (one.end_lineno or one.lineno) + 1)
-            if isinstance(one, ast.Return | ast.Break | ast.Continue | ast.Raise):
-                return "left_before", one.lineno
             waiting = next((line for line in lines if line in self._end), None)
             return None if waiting is None else ("waits_before", waiting)
         return None
@@ -218,16 +210,10 @@ class _Reached:
                 return above
         return None
 
-    def _function(
-        self, function: ast.FunctionDef | ast.AsyncFunctionDef, line: int, most_callers: int
-    ) -> Cause | None:
+    def _function(self, function: Functions, line: int, most_callers: int) -> Cause | None:
         """Return why a function never ran: nobody calls it, or nothing runs the callback that it is."""
         name = function.name
         if name == "__init__":
-            owner = self._script.parent(function)
-            made = isinstance(owner, ast.ClassDef) and any(True for _ in calls_of(self._script, owner.name))
-            if isinstance(owner, ast.ClassDef) and not made:
-                return Cause("class_not_made", line, {"name": owner.name, "before": owner.lineno})
             return None
         mentions = [node for node in ast.walk(self._script.tree) if _names(node, name)]
         if (
@@ -238,23 +224,20 @@ class _Reached:
             return None  # as `ros2 run` does
         if not mentions:
             return Cause("never_called", line, {"name": name, "before": function.lineno})
-        maker = next((one for node in mentions for one in self._makers(node)), None)
+        around = (one for node in mentions for one in self._script.around(node))
+        maker = next((one for one in around if callee(one).endswith(_MAKERS)), None)
         if maker is None:
-            calls = [self.statement_of(one) for one in mentions if not self._inside(one, function)]
+            calls = [
+                statement_around(self._script, one)
+                for one in mentions
+                if not _is_in(self._script, one, function)
+            ]
             first = None if any(one is None or self.ran(one) for one in calls) else next(iter(calls), None)
             return None if first is None or not most_callers else self.why_not(first, most_callers)
-        statement = self.statement_of(maker)
+        statement = statement_around(self._script, maker)
         if statement is None or not self.ran(statement):
             return None if statement is None else self.why_not(statement)
         return None  # a callback that never came: what is known of its topic or timer says more
-
-    def _makers(self, node: ast.AST) -> Iterator[ast.Call]:
-        for one in self._script.around(node):
-            if isinstance(one, ast.Call) and dotted(one.func).endswith(_MAKERS):
-                yield one
-
-    def _inside(self, node: ast.AST, function: ast.AST) -> bool:
-        return any(one is function for one in self._script.around(node))
 
 
 def _is_exact(test: ast.expr) -> bool:
@@ -277,7 +260,11 @@ def _loops_at_the_end(seen: Situation) -> Iterator[tuple[ast.While, dict[str, fl
         loop = statement and next(
             (one for one in (statement, *seen.script.around(statement)) if isinstance(one, ast.While)), None
         )
-        if isinstance(loop, ast.While) and not isinstance(loop.test, ast.Constant) and not _is_ok(loop.test):
+        if (
+            isinstance(loop, ast.While)
+            and not isinstance(loop.test, ast.Constant)
+            and not callee(loop.test).endswith("ok")
+        ):
             yield loop, values
 
 
@@ -288,7 +275,7 @@ def _frozen(seen: Situation) -> Iterator[Cause]:
         parts = {dotted(node) for node in ast.walk(loop.test)} - {"", *called}
         names = {one for one in parts if not any(other.startswith(f"{one}.") for other in parts)}
         test = seen.script.source(loop.test)
-        threads = any(True for one in ("Thread", "MultiThreadedExecutor") for _ in calls_of(seen.script, one))
+        threads = calls_of(seen.script, "Thread", "MultiThreadedExecutor")
         if threads or not names or any(one in test for one in _CLOCKS):
             continue
         values: dict[str, object] = {"test": test, "name": ", ".join(sorted(names))}
@@ -325,7 +312,7 @@ def _spins_in(script: ParsedScript, loop: ast.AST, most_calls: int = 3) -> bool:
     called = {dotted(one.func).rpartition(".")[2] for one in ast.walk(loop) if isinstance(one, ast.Call)}
     if called & {*_SPINS, "spin_some"}:
         return True
-    functions = [one for one in ast.walk(script.tree) if isinstance(one, _Functions) and one.name in called]
+    functions = [one for one in functions_of(script) if one.name in called]
     return most_calls > 0 and any(_spins_in(script, one, most_calls - 1) for one in functions)
 
 
@@ -335,20 +322,12 @@ def _endless(seen: Situation) -> Iterator[Cause]:
         test = seen.script.source(loop.test)
         names = {dotted(node) for node in ast.walk(loop.test)} - {""}
         shown = ", ".join(f"{name} = {values[name]:g}" for name in sorted(names) if name in values)
-        if shown and not any(one in test for one in _CLOCKS) and all(map(_is_small, values.values())):
+        if shown and not any(one in test for one in _CLOCKS) and max(map(abs, values.values())) < _CLOCK_S:
             yield Cause("endless_loop", loop.lineno, {"test": test, "values": shown})
 
 
 def _is_text(statement: ast.stmt) -> bool:
     return isinstance(statement, ast.Expr) and isinstance(getattr(statement.value, "value", None), str)
-
-
-def _is_small(value: float) -> bool:
-    return abs(value) < _CLOCK_S
-
-
-def _is_ok(test: ast.expr) -> bool:
-    return isinstance(test, ast.Call) and dotted(test.func).endswith("ok")
 
 
 def _is_in(script: ParsedScript, node: ast.AST, loop: ast.AST) -> bool:
@@ -360,7 +339,7 @@ def _set_by_callbacks(script: ParsedScript, names: set[str]) -> str:
     callbacks = named_in(calls_of(script, "create_subscription"))
     for one in assignments(script):
         if any(_may_be(one.target, name) for name in names):
-            functions = [node.name for node in script.around(one.statement) if isinstance(node, _Functions)]
+            functions = [node.name for node in script.around(one.statement) if isinstance(node, Functions)]
             if callbacks & set(functions):
                 return one.target
     return ""
@@ -368,12 +347,12 @@ def _set_by_callbacks(script: ParsedScript, names: set[str]) -> str:
 
 def _timers_in_callbacks(seen: Situation) -> Iterator[Cause]:
     """Yield a timer that a timer's callback creates each time it runs, and that nothing cancels."""
-    makers = list(calls_of(seen.script, "create_timer"))
+    makers = calls_of(seen.script, "create_timer")
     callbacks = named_in(makers)
-    if any(True for name in ("cancel", "destroy_timer") for _ in calls_of(seen.script, name)):
+    if calls_of(seen.script, "cancel", "destroy_timer"):
         return
     for call in makers:
-        inside = [one.name for one in seen.script.around(call) if isinstance(one, _Functions)]
+        inside = [one.name for one in seen.script.around(call) if isinstance(one, Functions)]
         if inside and inside[0] in callbacks and call.lineno in seen.ledger.ran:
             yield Cause("timer_in_callback", call.lineno, {"name": inside[0]})
 
@@ -401,26 +380,12 @@ def _contended(seen: Situation) -> Iterator[Cause]:
 
 def _handed_over(script: ParsedScript) -> set[str]:
     """Return the names of the functions that are given to timers, subscriptions and threads."""
-    calls = [call for one in _MAKERS for call in calls_of(script, one)]
-    given = (value for call in calls for value in (*call.args, *(one.value for one in call.keywords)))
-    return {dotted(value).rpartition(".")[2] for value in given} - {""}
+    return named_in(calls_of(script, *_MAKERS))
 
 
 def _source_of(motion: Motion, handed: set[str]) -> str:
     """Return the callback that a motion came from; empty for the main program."""
     return next((function for _, function, _ in reversed(motion.stack) if function in handed), "")
-
-
-def _idle_axis(seen: Situation) -> Iterator[Cause]:
-    """Yield the line that sets an axis which moves no turtle, where what that should do never happened."""
-    for axis, right in AXES.items():
-        moves = axis.startswith("linear")
-        if any(one.motion.v if moves else one.motion.w for one in seen.driven):
-            continue
-        for one in assignments(seen.script):
-            ran = one.statement.lineno in seen.ledger.ran
-            if ran and one.target.endswith(f".{axis}") and number_of(one.value) != 0.0:
-                yield Cause("idle_axis", one.statement.lineno, {"axis": axis, "right": right})
 
 
 def _slow_timer(seen: Situation) -> Iterator[Cause]:
@@ -459,7 +424,7 @@ def _open_loop(seen: Situation) -> Iterator[Cause]:
     """Yield the first motion of a car that slips, where what the callbacks keep is only waited for."""
     script, callbacks = seen.script, named_in(calls_of(seen.script, "create_subscription"))
     nodes = list(ast.walk(script.tree))
-    functions = [one for one in nodes if isinstance(one, _Functions) and one.name in callbacks]
+    functions = [one for one in nodes if isinstance(one, Functions) and one.name in callbacks]
     inside = {id(node) for function in functions for node in ast.walk(function)}
     kept = {one.target for one in assignments(script) if id(one.statement) in inside}
     calls = [
@@ -531,7 +496,7 @@ def _in_line(seen: Situation) -> Iterator[Cause]:
 
 def _timer_of(script: ParsedScript, callback: str) -> ast.Call | None:
     """Return the call that has a timer run `callback`; None if there is none, or the script ends timers itself."""
-    if not callback or any(True for name in ("cancel", "destroy_timer") for _ in calls_of(script, name)):
+    if not callback or calls_of(script, "cancel", "destroy_timer"):
         return None
     timers = (call for call in calls_of(script, "create_timer") if len(call.args) > 1)
     return next((one for one in timers if dotted(one.args[1]).rpartition(".")[2] == callback), None)

@@ -4,12 +4,19 @@ import ast
 from collections.abc import Iterator
 from typing import Final
 
-from grader.edits.situation import Proposal, Situation
-from grader.edits.slices import assignments, calls_of, dotted, known_number, number_of
+from grader.edits.situation import Proposal, Situation, removing, replacing
+from grader.edits.slices import (
+    assignments,
+    callee,
+    calls_of,
+    dotted,
+    known_number,
+    mentions,
+    number_of,
+)
 from grader.edits.tree import Edit, ParsedScript
 
 _MOST_COUNT: Final = 40
-_CHANGING: Final = frozenset(("append", "extend", "insert", "pop", "remove", "clear"))
 _NAMES: Final = ("i", "j", "k", "n", "count")
 _PHASES: Final = 2  # of a round, where drives and turns are counted
 _ONE_MORE: Final = {ast.Lt: "<=", ast.GtE: ">"}
@@ -22,13 +29,10 @@ def count_changes(seen: Situation) -> Iterator[Proposal]:
     for node in ast.walk(seen.script.tree) if seen.rounds_missing else ():
         if isinstance(node, ast.Compare) and len(node.ops) == 1 and node.lineno in seen.ledger.ran:
             yield from _bound(seen, node)
-        elif isinstance(node, ast.Call) and dotted(node.func) == "range":
+        elif isinstance(node, ast.Call) and callee(node) == "range":
             yield from _range(seen, node)
         elif isinstance(node, ast.List | ast.Tuple):
             yield from _rows(seen, node)
-        elif isinstance(node, ast.FunctionDef | ast.Module):
-            yield from _calls_in_turn(seen, node.body)
-    yield from _copied(seen)
     yield from _overwritten(seen)
     yield from _alternating(seen)
     yield from _wanted(seen)
@@ -56,8 +60,7 @@ def _bound(seen: Situation, node: ast.Compare) -> Iterator[Proposal]:
             yield from _number(script, steps[0].value if is_down else bound, missing)
     elif rounds in (_PHASES * (wanted - missing), _PHASES * (wanted - missing) - 1):
         for one in counting if len(counting) > 1 else ():
-            values = {"line": one.lineno, "old": script.source(one)}
-            yield Proposal("removed", 1.0, (script.removed(one),), values)
+            yield removing(script, 1.0, one)
         yield from _number(script, bound, _PHASES * wanted - int(rounds))
 
 
@@ -66,9 +69,7 @@ def _number(script: ParsedScript, node: ast.expr, more: int) -> Iterator[Proposa
     written = next((one.value for one in assignments(script) if one.target == dotted(node)), node)
     value = number_of(written)
     if value is not None:
-        old, new = script.source(written), str(int(value) + more)
-        values = {"line": written.lineno, "old": old, "new": new}
-        yield Proposal("count", 1.0, (script.replaced(written, new),), values)
+        yield replacing(script, "count", 1.0, written, str(int(value) + more))
 
 
 def _range(seen: Situation, call: ast.Call) -> Iterator[Proposal]:
@@ -81,76 +82,24 @@ def _range(seen: Situation, call: ast.Call) -> Iterator[Proposal]:
     if isinstance(last, ast.BinOp) and number_of(last.right) == 1.0 and abs(missing) == 1:
         if isinstance(last.op, ast.Sub if missing > 0 else ast.Add):
             new = script.source(last.left)
-            values = {"line": call.lineno, "old": script.source(last), "new": new}
-            yield Proposal("count", 0.9, (script.replaced(last, new),), values)
+            yield replacing(script, "count", 0.9, last, new)
     elif end is not None and begin is not None and end - begin == seen.wanted.counts[0] - missing:
         if not begin or end != seen.wanted.counts[0]:
             yield from _number(script, last, missing)
             return
         loop, bound = script.parent(call), script.source(last)
-        is_asked = isinstance(loop, ast.For) and any(_has(one, dotted(loop.target)) for one in loop.body)
+        is_asked = isinstance(loop, ast.For) and any(mentions(one, dotted(loop.target)) for one in loop.body)
         further = f"{bound} + 1" if number_of(last) is None else f"{end + 1:g}"
         new = f"range(1, {further})" if is_asked else f"range({bound})"
-        values = {"line": call.lineno, "old": script.source(call), "new": new}
-        yield Proposal("count", 0.9, (script.replaced(call, new),), values)
-
-
-def _has(node: ast.AST, name: str) -> bool:
-    """Whether a name stands somewhere in a part of the script."""
-    return any(dotted(one) == name for one in ast.walk(node))
+        yield replacing(script, "count", 0.9, call, new)
 
 
 def _rows(seen: Situation, node: ast.List | ast.Tuple) -> Iterator[Proposal]:
-    """Yield a plan with its last round once more, for one of as many rounds as were driven; and its repetition."""
-    script, missing = seen.script, seen.rounds_missing
-    driven, above = seen.wanted.counts[0] - missing, script.parent(node)
+    """Yield another number of times for a plan that was driven as often."""
+    missing, above = seen.rounds_missing, seen.script.parent(node)
+    driven = seen.wanted.counts[0] - missing
     if isinstance(above, ast.BinOp) and isinstance(above.op, ast.Mult) and number_of(above.right) == driven:
-        yield from _number(script, above.right, missing)
-        return
-    size, rest = divmod(len(node.elts), driven)
-    again = node.elts[-size * missing :] if size and missing > 0 and len(node.elts) > 1 else []
-    rows = [script.source(one) for one in node.elts]
-    is_plan = all(isinstance(one, ast.List | ast.Tuple) for one in again) or rows[:size] * driven == rows
-    if not again or rest or len(again) != size * missing or not is_plan:
-        return
-    between = script.text[script.span(node.elts[-2])[1] : script.span(node.elts[-1])[0]]
-    end = script.span(node.elts[-1])[1]
-    added = "".join(between + script.source(one) for one in again)
-    yield Proposal("round_added", 1.0, (Edit(end, end, added),), {"line": node.elts[-1].lineno})
-
-
-def _calls_in_turn(seen: Situation, block: list[ast.stmt]) -> Iterator[Proposal]:
-    """Yield the calls of a round once more or in a loop, where they stand one after the other and none is."""
-    script, missing, wanted = seen.script, seen.rounds_missing, seen.wanted.counts[0]
-    turns = {line for one in seen.driven if one.is_turn for line in one.motion.lines}
-    drives = {line for one in seen.driven if one.is_drive for line in one.motion.lines}
-    lines = {one.lineno for one in block}
-    calls = [one for one in block if isinstance(one, ast.Expr) and one.lineno in turns ^ drives]
-    size, rest = divmod(len(calls), wanted - missing)
-    if rest or size < _PHASES or missing < 0 or not lines & (turns - drives) or not lines & (drives - turns):
-        return
-    if wanted % (wanted - missing):
-        edit = script.inserted_after(calls[-1], *(script.source(one) for one in calls[-size * missing :]))
-        yield Proposal("round_added", 1.0, (edit,), {"line": calls[-1].lineno})
-        return
-    start, end = script.line_start(calls[0].lineno), script.span(calls[-1])[1]
-    indent = script.line(calls[0].lineno)[: calls[0].col_offset]
-    body = "".join(f"    {line}" for line in script.text[start:end].splitlines(keepends=True))
-    text = f"{indent}for _ in range({wanted // (wanted - missing)}):\n{body}"
-    values = {"line": calls[0].lineno, "last": calls[-1].end_lineno, "new": wanted // (wanted - missing)}
-    yield Proposal("repeated", 1.0, (Edit(start, end, text),), values)
-
-
-def _copied(seen: Situation) -> Iterator[Proposal]:
-    """Yield a copy of a list, for one that a loop changes while it goes over it."""
-    for loop in ast.walk(seen.script.tree):
-        name = dotted(loop.iter) if isinstance(loop, ast.For) else ""
-        if not isinstance(loop, ast.For) or not name:
-            continue
-        called = (dotted(one.func) for one in ast.walk(loop) if isinstance(one, ast.Call))
-        if any(one.rpartition(".")[0] == name and one.rpartition(".")[2] in _CHANGING for one in called):
-            values = {"line": loop.lineno, "old": name, "new": f"list({name})"}
-            yield Proposal("copied", 0.9, (seen.script.replaced(loop.iter, f"list({name})"),), values)
+        yield from _number(seen.script, above.right, missing)
 
 
 def _overwritten(seen: Situation) -> Iterator[Proposal]:
@@ -167,7 +116,9 @@ def _overwritten(seen: Situation) -> Iterator[Proposal]:
             parts: list[ast.AST] = [loop.target] if any(one.target == old for one in sets) else []
         else:
             old = dotted(getattr(loop.test, "left", None))
-            outer = [one for one in script.around(loop) if isinstance(one, ast.While) and _has(one.test, old)]
+            outer = [
+                one for one in script.around(loop) if isinstance(one, ast.While) and mentions(one.test, old)
+            ]
             begins = [one.statement for one in sets if one.target == old and outer]
             parts = [loop, *(one for one in begins if one in script.block_of(loop))]
         nodes = [
@@ -213,8 +164,7 @@ def _wanted(seen: Situation) -> Iterator[Proposal]:
             offered += [(1.5, node.value + 1), (1.5, node.value - 1)]
         for cost, count in offered:
             if count != node.value:
-                values = {"line": node.lineno, "old": str(node.value), "new": str(count)}
-                yield Proposal("count", cost, (seen.script.replaced(node, str(count)),), values)
+                yield replacing(seen.script, "count", cost, node, str(count), old=str(node.value))
 
 
 def _counts_something(script: ParsedScript, node: ast.Constant) -> bool:

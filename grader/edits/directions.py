@@ -5,7 +5,7 @@ import itertools
 from collections.abc import Iterator
 from typing import Final
 
-from grader.edits.situation import Driven, Proposal, Situation
+from grader.edits.situation import Driven, Proposal, Situation, replacing
 from grader.edits.slices import assignments, number_of
 
 _MOST_MOTIONS: Final = 8
@@ -35,8 +35,7 @@ def _numbers(seen: Situation, value: float, lines: set[int]) -> Iterator[Proposa
     """Yield the other sign for the number that the second motion is given."""
     for node in ast.walk(seen.script.tree):
         if isinstance(node, ast.expr) and node.lineno in lines and number_of(node) == value:
-            values = {"line": node.lineno, "old": seen.script.source(node), "new": f"{-value}"}
-            yield Proposal("steady", 1.1, (seen.script.replaced(node, f"{-value}"),), values)
+            yield replacing(seen.script, "steady", 1.1, node, f"{-value}")
 
 
 def _flips(seen: Situation) -> Iterator[Proposal]:
@@ -55,5 +54,4 @@ def _flips(seen: Situation) -> Iterator[Proposal]:
     for node in ast.walk(script.tree):
         if isinstance(node, ast.IfExp):
             for place, new in enumerate(script.source(each) for each in (node.body, node.orelse)):
-                values = {"line": node.lineno, "old": script.source(node), "new": new}
-                yield Proposal("steady", 1.2 + 0.1 * place, (script.replaced(node, new),), values)
+                yield replacing(script, "steady", 1.2 + 0.1 * place, node, new)

@@ -11,10 +11,20 @@ from collections.abc import Iterator
 from typing import Final
 
 from grader.contracts.names import IMPORTS, MODULES, OTHER_LANGUAGES, near_name
-from grader.edits.failing import FailingLine, Functions, classes_of, makes_node, own_functions
+from grader.edits.failing import FailingLine
 from grader.edits.ros import ROS_OPERATORS
 from grader.edits.situation import Proposal, Situation
-from grader.edits.slices import calls_of, dotted, number_of
+from grader.edits.slices import (
+    Functions,
+    callee,
+    calls_of,
+    classes_of,
+    dotted,
+    function_around,
+    functions_of,
+    makes_node,
+    number_of,
+)
 from grader.edits.tree import Edit
 
 _LENT: Final = (".get_logger", ".get_clock")
@@ -119,12 +129,12 @@ def _is_called(at: FailingLine, node: ast.expr) -> bool:
 def _brackets(at: FailingLine) -> Iterator[Proposal]:
     """Yield brackets where a function or class itself is used, and none where a value or a callback is called."""
     classes = {one.name for one in classes_of(at.script)}
-    callables = {*_CALLED, *classes, *(own_function.name for own_function in own_functions(at.script))}
+    callables = {*_CALLED, *classes, *(own_function.name for own_function in functions_of(at.script))}
     for node in at.nodes:
         if isinstance(node, ast.Name | ast.Attribute) and not _is_called(at, node):
             name = dotted(node).rpartition(".")[2] or getattr(node, "attr", "")
             parent = at.script.parent(node)
-            handed = isinstance(parent, ast.Call) and dotted(parent.func).endswith(_MAKERS)
+            handed = callee(parent).endswith(_MAKERS)
             if name in callables and isinstance(parent, ast.Attribute | ast.BinOp | ast.Call) and not handed:
                 yield at.mended(0.5, node, f"{at.script.source(node)}()")
         if isinstance(node, ast.Subscript) and hasattr(builtins, dotted(node.value) or "-"):
@@ -136,7 +146,7 @@ def _brackets(at: FailingLine) -> Iterator[Proposal]:
             yield at.mended(0.4, one.value, f"{name}()")
         if is_class and (name in classes or name in IMPORTS or name.endswith((".Request", "Twist"))):
             yield at.mended(0.6, one.value, f"{name}()")
-    makers = [call for name in _MAKERS for call in calls_of(at.script, name)]
+    makers = calls_of(at.script, *_MAKERS)
     for call in (*at.calls, *(arg for maker in makers for arg in maker.args if isinstance(arg, ast.Call))):
         if not call.args and not call.keywords and isinstance(call.func, ast.Name | ast.Attribute):
             yield at.mended(0.7, call, at.script.source(call.func))
@@ -144,7 +154,7 @@ def _brackets(at: FailingLine) -> Iterator[Proposal]:
 
 def _orders(at: FailingLine) -> Iterator[Proposal]:
     """Yield two arguments of a call exchanged; of what makes publishers and timers also where it failed later."""
-    makers = [call for name in _MAKERS for call in calls_of(at.script, name) if call not in at.calls]
+    makers = [call for call in calls_of(at.script, *_MAKERS) if call not in at.calls]
     for cost, call in [*((0.8, one) for one in at.calls), *((1.4, maker) for maker in makers)]:
         if not 2 <= len(call.args) <= 4 or dotted(call.func).endswith(("range", "publish")):
             continue
@@ -158,7 +168,7 @@ def _orders(at: FailingLine) -> Iterator[Proposal]:
 
 def _arguments(at: FailingLine) -> Iterator[Proposal]:
     """Yield a call with an argument less, with the node, with two numbers as one, or without a keyword."""
-    nodes = [one.target for one in at.known if makes_node(at, one)]
+    nodes = [one.target for one in at.known if makes_node(at.script, one)]
     for call in at.calls:
         func, given = at.script.source(call.func), [at.script.source(arg) for arg in call.args]
         if given and "positional" in at.error.message and "missing" not in at.error.message:
@@ -175,13 +185,8 @@ def _arguments(at: FailingLine) -> Iterator[Proposal]:
                 value = at.script.source(keyword.value)
                 start = at.script.span(keyword.value)[0] - len(keyword.arg) - 1
                 edit = Edit(start, at.script.span(keyword.value)[1], value)
-                values = {
-                    "line": call.lineno,
-                    "old": f"{keyword.arg}={value}",
-                    "new": value,
-                    "error": at.error.type,
-                }
-                yield Proposal("mended", 0.5, (edit,), values)
+                old = f"{keyword.arg}={value}"
+                yield at.proposal("mended", 0.5, (edit,), call.lineno, old=old, new=value)
 
 
 def _missing_arguments(at: FailingLine) -> Iterator[Proposal]:
@@ -209,7 +214,7 @@ def _words_of(name: str) -> set[str]:
 def _signatures(at: FailingLine) -> Iterator[Proposal]:
     """Yield other parameters for a function of the script's own that got too many or too few arguments."""
     match = re.match(r"(?:\w+\.)?(\w+)\(\) (takes|missing)", at.error.message)
-    for function in own_functions(at.script):
+    for function in functions_of(at.script):
         if match is None or function.name != match[1]:
             continue
         names = [arg.arg for arg in function.args.args]
@@ -236,7 +241,7 @@ def _signatures(at: FailingLine) -> Iterator[Proposal]:
                 yield at.headed(0.5 + 0.2 * place, function, f"def {function.name}({', '.join(way)}):")
 
 
-def _given_name(at: FailingLine, function: "ast.FunctionDef | ast.AsyncFunctionDef") -> str:
+def _given_name(at: FailingLine, function: Functions) -> str:
     """Return how a parameter is called that takes what the failing line gives; a callback's is the message."""
     owner = at.script.parent(function)
     names = {function.name, owner.name if isinstance(owner, ast.ClassDef) else ""}
@@ -249,7 +254,7 @@ def _given_name(at: FailingLine, function: "ast.FunctionDef | ast.AsyncFunctionD
 
 def _own_names(at: FailingLine) -> Iterator[Proposal]:
     """Yield another name for what has one of Node's, of a builtin, of a module, or of an own method."""
-    methods = {own_function.name for own_function in own_functions(at.script)}
+    methods = {own_function.name for own_function in functions_of(at.script)}
     taken = {one.target.removeprefix("self.") for one in at.known} | methods
     for name in sorted(taken & _OF_NODE):
         yield from _renamed(at, 0.6, name, f"my_{name.strip('_')}", calls=True)
@@ -258,7 +263,7 @@ def _own_names(at: FailingLine) -> Iterator[Proposal]:
         is_taken = "." not in one.target and (hasattr(builtins, name) or name in MODULES)
         if (one.target.startswith("self.") and name in methods) or is_taken:
             yield from _renamed(at, 0.6, name, f"{name}_value", calls=False)
-    for function in own_functions(at.script):
+    for function in functions_of(at.script):
         for argument in function.args.args:
             if argument.arg in ("time", "math", "rclpy", "random"):
                 new = f"{argument.arg}_s" if argument.arg == "time" else f"my_{argument.arg}"
@@ -273,8 +278,7 @@ def _own_names(at: FailingLine) -> Iterator[Proposal]:
                     argument.arg, at.script.span(function)[0] + len(function.name) + 4
                 )
                 edits.append(Edit(start, start + len(argument.arg), new))
-                values = {"line": function.lineno, "old": argument.arg, "new": new, "error": at.error.type}
-                yield Proposal("mended", 0.7, tuple(dict.fromkeys(edits)), values)
+                yield at.proposal("mended", 0.7, edits, function.lineno, old=argument.arg, new=new)
 
 
 def _own_classes(at: FailingLine) -> Iterator[Proposal]:
@@ -284,26 +288,22 @@ def _own_classes(at: FailingLine) -> Iterator[Proposal]:
     for one in at.known:
         if one.target not in classes or not isinstance(one.value, ast.Call):
             continue
-        scope: ast.AST = at.function(one.statement) or at.script.tree
+        scope: ast.AST = function_around(at.script, one.statement) or at.script.tree
         uses = [
             node
             for node in ast.walk(scope)
-            if (
-                isinstance(node, ast.Name)
-                and node.id == one.target
-                and node.lineno >= one.statement.lineno
-                and not isinstance(at.script.parent(node), ast.Call | ast.arg)
-            )
-            or (
-                isinstance(node, ast.Name)
-                and node.id == one.target
-                and dotted(getattr(at.script.parent(node), "func", None)).endswith("publish")
-            )
+            if isinstance(node, ast.Name) and node.id == one.target and _is_object(at, node, one.statement)
         ]
         new = one.target.lower()
-        values = {"line": one.statement.lineno, "old": one.target, "new": new, "error": at.error.type}
-        edits = tuple(at.script.replaced(use, new) for use in uses)
-        yield Proposal("mended", 0.15, edits, values)
+        edits = [at.script.replaced(use, new) for use in uses]
+        yield at.proposal("mended", 0.15, edits, one.statement.lineno, old=one.target, new=new)
+
+
+def _is_object(at: FailingLine, name: ast.Name, begin: ast.stmt) -> bool:
+    """Whether the name of a class stands for the object that has it since `begin`."""
+    parent = at.script.parent(name)
+    is_later = name.lineno >= begin.lineno and not isinstance(parent, ast.Call | ast.arg)
+    return is_later or callee(parent).endswith("publish")
 
 
 def _renamed(at: FailingLine, cost: float, old: str, new: str, *, calls: bool) -> Iterator[Proposal]:
@@ -326,9 +326,7 @@ def _renamed(at: FailingLine, cost: float, old: str, new: str, *, calls: bool) -
             continue
         line = line or node.lineno
     if edits:
-        yield Proposal(
-            "mended", cost, tuple(edits), {"line": line, "old": old, "new": new, "error": at.error.type}
-        )
+        yield at.proposal("mended", cost, edits, line, old=old, new=new)
 
 
 def _fields(at: FailingLine) -> Iterator[Proposal]:
@@ -338,7 +336,7 @@ def _fields(at: FailingLine) -> Iterator[Proposal]:
         if not isinstance(node, ast.Attribute):
             continue
         function = (
-            at.function(node)
+            function_around(at.script, node)
             if f"_Request' object has no attribute '{node.attr}'" in at.error.message
             else None
         )
@@ -416,11 +414,11 @@ def _scopes(at: FailingLine) -> Iterator[Proposal]:
         if (
             one.target == name
             and isinstance(one.statement, ast.Assign)
-            and at.function(one.statement) is not None
+            and function_around(at.script, one.statement) is not None
         ):
             start = at.script.span(one.statement)[0]
             edits = [Edit(start, start, "self.")]
-            inside = at.function(one.statement)
+            inside = function_around(at.script, one.statement)
             for node in ast.walk(inside) if inside is not None else ():
                 if isinstance(node, ast.Name) and node.id == name and at.script.span(node)[0] != start:
                     edits.append(at.script.replaced(node, f"self.{name}"))
@@ -429,13 +427,7 @@ def _scopes(at: FailingLine) -> Iterator[Proposal]:
                 for node in at.nodes
                 if isinstance(node, ast.Name) and node.id == name
             ]
-            values = {
-                "line": one.statement.lineno,
-                "old": name,
-                "new": f"self.{name}",
-                "error": at.error.type,
-            }
-            yield Proposal("mended", 0.4, tuple(dict.fromkeys(edits)), values)
+            yield at.proposal("mended", 0.4, edits, one.statement.lineno, old=name, new=f"self.{name}")
         if one.target == f"self.{name}":
             yield from _sooner(at, one.statement)
 
@@ -444,20 +436,17 @@ def _sooner(at: FailingLine, needed: ast.stmt) -> Iterator[Proposal]:
     """Yield the statement that sets something moved before the first one of its block that needs it."""
     block = at.script.block_of(needed)
     text = at.script.source(needed)
-    place = next((i for i, one in enumerate(block) if one is needed), 0)
     first = next((one for one in block if not re.search(r"super\(\)|^['\"]", at.script.source(one))), needed)
-    if place and first is not needed and "\n" not in text:
+    if needed not in (first, block[0]) and "\n" not in text:
         edits = (at.script.removed(needed), at.script.inserted_before(first, text))
-        yield Proposal(
-            "sooner", 0.6, edits, {"line": needed.lineno, "old": text, "new": text, "error": at.error.type}
-        )
+        yield at.proposal("sooner", 0.6, edits, needed.lineno, old=text, new=text)
 
 
 def _objects(at: FailingLine) -> Iterator[Proposal]:
     """Yield the publisher for what cannot publish, and the object for the class on which a method is called."""
     made = [(one.target, dotted(one.value.func)) for one in at.known if isinstance(one.value, ast.Call)]
     publishers = [name for name, func in made if func.endswith("create_publisher")]
-    objects = [one.target for one in at.known if makes_node(at, one)]
+    objects = [one.target for one in at.known if makes_node(at.script, one)]
     classes = {one.name for one in classes_of(at.script)}
     for call in at.calls:
         owner, _, method = dotted(call.func).rpartition(".")
@@ -494,7 +483,7 @@ def _copies(at: FailingLine) -> Iterator[Proposal]:
     if match is None:
         return
     missing, known = match[1] or match[2], set()
-    for function in sorted(own_functions(at.script), key=lambda one: one.lineno):
+    for function in sorted(functions_of(at.script), key=lambda one: one.lineno):
         if (function.name, at.script.parent(function)) in known:
             head = at.script.line(function.lineno).strip().replace(function.name, missing, 1)
             yield at.headed(0.15, function, head)
@@ -503,7 +492,7 @@ def _copies(at: FailingLine) -> Iterator[Proposal]:
 
 def _blocks(at: FailingLine) -> Iterator[Proposal]:
     """Yield a method that stands outside of its class, or a function within another one or a class, moved out."""
-    for function in own_functions(at.script):
+    for function in functions_of(at.script):
         outer = at.script.parent(function)
         names = [arg.arg for arg in function.args.args]
         if f"'{function.name}'" not in at.error.message:
@@ -519,7 +508,7 @@ def _blocks(at: FailingLine) -> Iterator[Proposal]:
 
 def _moved(
     at: FailingLine,
-    first: ast.FunctionDef | ast.AsyncFunctionDef,
+    first: Functions,
     start: int,
     end: int,
     *,
@@ -528,8 +517,7 @@ def _moved(
     """Return the proposal that moves the lines from `start` up to `end` by one step."""
     starts = [at.script.line_start(number) for number in range(start, end) if at.script.line(number).strip()]
     edits = tuple(Edit(one, one + 4, "") if outwards else Edit(one, one, "    ") for one in starts)
-    values = {"line": first.lineno, "old": first.name, "error": at.error.type}
-    return Proposal("outdented" if outwards else "indented", 0.3, edits, values)
+    return at.proposal("outdented" if outwards else "indented", 0.3, edits, first.lineno, old=first.name)
 
 
 def _class_bodies(at: FailingLine) -> Iterator[Proposal]:
@@ -552,8 +540,7 @@ def _class_bodies(at: FailingLine) -> Iterator[Proposal]:
         yield Proposal("into_method", 0.2, inwards, {"line": first.lineno, "name": method.name})
     head = ("def __init__(self):", "super().__init__('my_node')")
     edit = at.script.inserted_before(first, head[0], f"    {head[1]}")
-    values = {"line": first.lineno, "new": " ".join(head), "error": at.error.type}
-    yield Proposal("added", 0.3, (edit, *inwards), values)
+    yield at.proposal("added", 0.3, (edit, *inwards), first.lineno, new=" ".join(head))
 
 
 def _imports(at: FailingLine) -> Iterator[Proposal]:
@@ -588,11 +575,7 @@ def _texts(at: FailingLine) -> Iterator[Proposal]:
             yield at.mended(0.3, node, text)
             yield at.mended(0.35, node, f"int({at.script.source(node)})")
     for call in at.calls:
-        if (dotted(call.func).endswith(("info", "warning", "error", "warn", "debug")) and call.args) or (
-            isinstance(call.func, ast.Attribute)
-            and call.func.attr in ("info", "warning", "error")
-            and call.args
-        ):
+        if call.args and at.script.source(call.func).endswith(("info", "warning", "error", "warn", "debug")):
             texts = [at.script.source(arg) for arg in call.args]
             joined = " + ".join(one if one[:1] in "'\"" else f"str({one})" for one in texts)
             yield at.mended(0.4, call, f"{at.script.source(call.func)}({joined})")
@@ -606,7 +589,7 @@ def _waits(at: FailingLine) -> Iterator[Proposal]:
     if "None" not in at.error.message:
         return
     for statement in at.statements:
-        function = at.function(statement)
+        function = function_around(at.script, statement)
         if function is None:
             continue
         for node in at.nodes:
@@ -632,14 +615,14 @@ def _uncalled(at: FailingLine) -> Iterator[Proposal]:
     classes = (
         {one.name for one in classes_of(at.script)} if at.error.type == "NotInitializedException" else ()
     )
-    makers = [call for name in classes for call in calls_of(at.script, name) if at.function(call) is None]
+    makers = [call for call in calls_of(at.script, *classes) if function_around(at.script, call) is None]
     last = at.script.tree.body[-1]
     first = last.body[0] if isinstance(last, ast.If) else last
     for function in at.script.tree.body:
-        if not isinstance(function, ast.FunctionDef) or any(calls_of(at.script, function.name)):
+        if not isinstance(function, ast.FunctionDef) or calls_of(at.script, function.name):
             continue
         if not function.args.args and used & {
-            one.target for one in at.known if at.function(one.statement) is function
+            one.target for one in at.known if function_around(at.script, one.statement) is function
         }:
             edit = at.script.inserted_before(first, f"{function.name}()")
             yield Proposal("call", 0.3, (edit,), {"line": function.lineno, "name": function.name})
@@ -650,8 +633,7 @@ def _uncalled(at: FailingLine) -> Iterator[Proposal]:
 
 def _without(at: FailingLine) -> Iterator[Proposal]:
     """Yield the script without the call that failed, or without what ended ROS before: where nothing needs it."""
-    ends = [call for name in ("shutdown", "destroy_node") for call in calls_of(at.script, name)]
-    for call in ends:
+    for call in calls_of(at.script, "shutdown", "destroy_node"):
         statement = at.script.parent(call)
         if isinstance(statement, ast.Expr) and call.lineno in at.seen.ledger.ran:
             values = {"line": call.lineno, "old": at.script.source(call)}

@@ -1,15 +1,14 @@
 """The line on which an exception ended a script, and proposals about it."""
 
 import ast
-from collections.abc import Iterator
+from collections.abc import Iterable
 from typing import Final
 
 from grader.contracts.outcome import StudentError
 from grader.edits.situation import Proposal, Situation
-from grader.edits.slices import NameSet, assignments, dotted
-from grader.edits.tree import Edit, ParsedScript
+from grader.edits.slices import assignments, statements_over
+from grader.edits.tree import Edit
 
-Functions: Final = (ast.FunctionDef, ast.AsyncFunctionDef)
 _MOST_NODES: Final = 60
 
 
@@ -21,14 +20,7 @@ class FailingLine:
         self.script = seen.script
         self.error = error
         self.line = line
-        self.statements = (
-            seen.script.statements_on(line)
-            or [
-                statement
-                for statement in _statements(seen.script)
-                if statement.lineno <= line <= (statement.end_lineno or 0)
-            ][-1:]
-        )
+        self.statements = statements_over(seen.script, line)
         own = [
             node
             for statement in self.statements
@@ -39,44 +31,27 @@ class FailingLine:
         self.calls = [node for node in self.nodes if isinstance(node, ast.Call)]
         self.known = assignments(seen.script)
 
+    def proposal(
+        self, code: str, cost: float, edits: Iterable[Edit], line: int, **values: object
+    ) -> Proposal:
+        """Return a proposal whose sentence names the exception; each edit is made once."""
+        values = {"line": line, "error": self.error.type, **values}
+        return Proposal(code, cost, tuple(dict.fromkeys(edits)), values)
+
     def mended(self, cost: float, node: ast.expr | ast.stmt, new: str, *others: Edit) -> Proposal:
         """Return the proposal that puts `new` in the place of a node."""
         old = self.script.source(node)
-        values = {"line": node.lineno, "old": old.partition("\n")[0], "new": new, "error": self.error.type}
-        return Proposal("mended", cost, (self.script.replaced(node, new), *others), values)
+        edits = (self.script.replaced(node, new), *others)
+        return self.proposal("mended", cost, edits, node.lineno, old=old.partition("\n")[0], new=new)
 
     def added(self, cost: float, edit: Edit, line: int, new: str) -> Proposal:
         """Return the proposal that adds a line."""
-        return Proposal("added", cost, (edit,), {"line": line, "new": new, "error": self.error.type})
+        return self.proposal("added", cost, (edit,), line, new=new)
 
     def headed(self, cost: float, function: ast.stmt, head: str, *others: Edit) -> Proposal:
         """Return the proposal of another first line of a `def` or `class`."""
         line = self.script.line(function.lineno)
         start = self.script.span(function)[0]
         end = start + len(line.rstrip()) - (len(line) - len(line.lstrip()))
-        values = {"line": function.lineno, "old": line.strip(), "new": head, "error": self.error.type}
-        return Proposal("mended", cost, (Edit(start, end, head), *others), values)
-
-    def function(self, node: ast.AST) -> "ast.FunctionDef | ast.AsyncFunctionDef | None":
-        """Return the function around a node."""
-        return next((one for one in self.script.around(node) if isinstance(one, Functions)), None)
-
-
-def _statements(script: ParsedScript) -> Iterator[ast.stmt]:
-    return (node for node in ast.walk(script.tree) if isinstance(node, ast.stmt))
-
-
-def classes_of(script: ParsedScript) -> list[ast.ClassDef]:
-    """Return the classes that a script defines."""
-    return [node for node in ast.walk(script.tree) if isinstance(node, ast.ClassDef)]
-
-
-def own_functions(script: ParsedScript) -> "list[ast.FunctionDef | ast.AsyncFunctionDef]":
-    """Return the functions that a script defines."""
-    return [node for node in ast.walk(script.tree) if isinstance(node, Functions)]
-
-
-def makes_node(at: FailingLine, one: NameSet) -> bool:
-    """Whether an assignment makes a node."""
-    called = dotted(one.value.func) if isinstance(one.value, ast.Call) else ""
-    return called in {each.name for each in classes_of(at.script)} or called.endswith(("create_node", "Node"))
+        edits = (Edit(start, end, head), *others)
+        return self.proposal("mended", cost, edits, function.lineno, old=line.strip(), new=head)

@@ -4,13 +4,16 @@ import ast
 from collections.abc import Iterator
 from typing import Final
 
-from grader.edits.situation import Proposal, Situation
+from grader.edits.situation import Proposal, Situation, removing, replacing
 from grader.edits.slices import (
+    Functions,
     NameSet,
     assignments,
+    callee,
     calls_of,
     dotted,
     function_around,
+    imported,
     is_call,
     is_method,
     named_in,
@@ -32,7 +35,6 @@ _LAST: Final = 3
 _LONG_PAUSE_S: Final = 0.5
 _SHORT_PAUSE: Final = "0.02"
 """Turtlesim takes a command each 16 ms; of a second's turn this is a degree."""
-_Functions: Final = (ast.FunctionDef, ast.AsyncFunctionDef)
 _Loops: Final = (ast.For, ast.While)
 
 
@@ -46,12 +48,10 @@ def flow_changes(seen: Situation) -> Iterator[Proposal]:
     yield from _stops(seen)
     yield from _moved(seen)
     yield from _out_of_branches(seen)
-    yield from _into_branches(seen)
     yield from _into_ends(seen)
     yield from _counters(seen, known)
     yield from _unpublished(seen, known)
     yield from _pauses(seen)
-    yield from _long_pauses(seen)
     yield from _sent_once(seen)
     yield from _removed(seen)
     yield from _guards(seen)
@@ -71,8 +71,7 @@ def _guards(seen: Situation) -> Iterator[Proposal]:
         ):
             given = node.test.comparators[0]
             if getattr(given, "value", None) != "__main__":
-                values = {"line": node.lineno, "old": seen.script.source(given), "new": "'__main__'"}
-                yield Proposal("name", 0.2, (seen.script.replaced(given, "'__main__'"),), values)
+                yield replacing(seen.script, "name", 0.2, given, "'__main__'")
 
 
 def _logs(seen: Situation) -> Iterator[Proposal]:
@@ -88,8 +87,7 @@ def _logs(seen: Situation) -> Iterator[Proposal]:
             new = f"{seen.script.source(func.value)}.info"
         else:
             continue
-        values = {"line": func.lineno, "old": seen.script.source(func), "new": new}
-        yield Proposal("name", 0.5, (seen.script.replaced(func, new),), values)
+        yield replacing(seen.script, "name", 0.5, func, new)
 
 
 def _late(seen: Situation, known: tuple[NameSet, ...]) -> Iterator[Proposal]:
@@ -131,7 +129,7 @@ def _target_of(statement: ast.stmt) -> ast.expr | None:
 
 
 def _for_assignment(seen: Situation) -> Iterator[Proposal]:
-    """Yield `=` for a comparison or an annotation that stands alone, and `+=` for `=+`."""
+    """Yield `=` for a comparison or an annotation that stands alone, and `+=` for `+`."""
     for node in ast.walk(seen.script.tree):
         if isinstance(node, ast.Expr) and isinstance(node.value, ast.Compare) and len(node.value.ops) == 1:
             left, right = node.value.left, node.value.comparators[0]
@@ -150,31 +148,19 @@ def _for_assignment(seen: Situation) -> Iterator[Proposal]:
                 name, by = seen.script.source(node.value.left), seen.script.source(node.value.right)
                 values = {"line": node.lineno, "new": f"{name} {sign}= {by}"}
                 yield Proposal("kept", 0.5, (Edit(start, end, f" {sign}= "),), values)
-        elif isinstance(node, ast.Assign) and isinstance(node.value, ast.UnaryOp):
-            start, end = seen.script.span(node.targets[0])[1], seen.script.span(node.value.operand)[0]
-            sign = {ast.UAdd: "+", ast.USub: "-"}.get(type(node.value.op), "")
-            is_apart = (
-                seen.script.text[start:end].strip(" ") == f"={sign}" and seen.script.text[end - 1] == " "
-            )
-            if sign == "+" or (sign and is_apart):  # of `=-1` the sign belongs to the number
-                new = (
-                    f"{seen.script.source(node.targets[0])} {sign}= {seen.script.source(node.value.operand)}"
-                )
-                values = {"line": node.lineno, "new": new}
-                yield Proposal("grow", 0.5, (Edit(start, end, f" {sign}= "),), values)
 
 
 def _empty_messages(seen: Situation, known: tuple[NameSet, ...]) -> Iterator[Proposal]:
     """Yield the message that was filled, where another or a new one is published: if nothing else sends it."""
     messages = [(_message_of(one), function_around(seen.script, one.statement)) for one in known]
     filled = [one for one in messages if one[0]]
-    fresh = [one for one in known if isinstance(one.value, ast.Call) and dotted(one.value.func) == seen.twist]
+    fresh = [one for one in known if callee(one.value) == seen.twist]
     unsent = sorted({name for name, function in filled if not _is_sent(seen.script, name, function)})
     for call in calls_of(seen.script, "publish"):
         if not call.args:
             continue
         given = call.args[0]
-        is_new = isinstance(given, ast.Call) and dotted(given.func) == seen.twist and not given.args
+        is_new = isinstance(given, ast.Call) and callee(given) == seen.twist and not given.args
         if is_new or (dotted(given) and all(dotted(given) != name for name, _ in filled)):
             is_looped = not seen.driven and any(isinstance(one, _Loops) for one in seen.script.around(call))
             for name in unsent or (sorted({one for one, _ in filled}) if is_looped else ()):
@@ -195,7 +181,7 @@ def _is_sent(script: ParsedScript, name: str, function: ast.AST | None) -> bool:
     within = script.tree if function is None or "." in name else function
     for node in ast.walk(within):
         given = [node.value] if isinstance(node, ast.Return) else getattr(node, "args", ())
-        shown = isinstance(node, ast.Call) and dotted(node.func).endswith(("print", "info"))
+        shown = callee(node).endswith(("print", "info"))
         if (
             isinstance(node, ast.Call | ast.Return)
             and not shown
@@ -214,11 +200,7 @@ def _filled_nowhere(seen: Situation, fresh: list[NameSet]) -> Iterator[Proposal]
         holder: ast.expr | None = node.targets[0] if isinstance(node, ast.Assign) else None
         while isinstance(holder, ast.Attribute):
             holder = holder.value
-        if (
-            isinstance(node, ast.Assign)
-            and isinstance(holder, ast.Call)
-            and dotted(holder.func) == seen.twist
-        ):
+        if isinstance(node, ast.Assign) and holder is not None and callee(holder) == seen.twist:
             edits.append(seen.script.replaced(holder, name))
             first = first or node
     if first is None:
@@ -268,7 +250,7 @@ def _outermost(seen: Situation, statement: ast.stmt) -> ast.stmt:
     """Return the loop around a statement, the outermost within its function, or the statement itself."""
     outermost = statement
     for node in seen.script.around(statement):
-        if isinstance(node, (*_Functions, ast.ClassDef)):
+        if isinstance(node, Functions | ast.ClassDef):
             break
         if isinstance(node, _Loops):
             outermost = node
@@ -305,7 +287,7 @@ def _stops(seen: Situation) -> Iterator[Proposal]:
             cost = 2.5 + depth * 0.5
             yield Proposal("stop", cost, (seen.script.inserted_after(behind, own),), values)
             wait = "time.sleep(0.1)"
-            if depth and calls_of(seen.script, "sleep"):
+            if depth:
                 yield Proposal("stop", cost + 1.0, (seen.script.inserted_after(behind, own, wait),), values)
 
 
@@ -314,13 +296,11 @@ def _moved(seen: Situation) -> Iterator[Proposal]:
     for node in ast.walk(seen.script.tree):
         if not isinstance(node, _Loops) or node.lineno not in seen.ledger.ran:
             continue
-        block = seen.script.block_of(node)
-        place = next((i for i, one in enumerate(block) if one is node), -1)
-        later = block[place + 1 : place + 3]
+        later = seen.script.behind(node)[:2]
         for count in range(1, len(later) + 1):
             sends_twice = any(is_call(one, ("publish",)) for one in later[:count]) and _publishes(node)
             if any(isinstance(one, ast.Expr) for one in later[:count]) and not sends_twice:
-                edits = _into(seen.script, node.body[-1], later[:count])
+                edits = _put_behind(seen.script, node.body[-1], later[:count])
                 yield Proposal(
                     "into_loop", 3.5 + count * 0.2, edits, {"line": later[0].lineno, "loop": node.lineno}
                 )
@@ -331,17 +311,16 @@ def _moved(seen: Situation) -> Iterator[Proposal]:
                 if count == 1 and (
                     isinstance(moved, ast.Assign | ast.AugAssign) or is_call(moved, _SHORTENS)
                 ):
-                    values = {"line": moved.lineno, "old": seen.script.source(moved)}
-                    yield Proposal("removed", 3.9, (seen.script.removed(moved),), values)
+                    yield removing(seen.script, 3.9, moved)
                     continue
-                edits = _out_of(seen.script, node, node.body[-count:])
+                edits = _put_behind(seen.script, node, node.body[-count:])
                 values = {"line": moved.lineno, "loop": node.lineno}
                 yield Proposal("out_of_loop", 3.7 + count * 0.2, edits, values)
 
 
 def _publishes(loop: ast.AST) -> bool:
     """Whether a loop publishes by itself: another publish in it would overrule that."""
-    return any(isinstance(one, ast.Call) and dotted(one.func).endswith(".publish") for one in ast.walk(loop))
+    return any(callee(one).endswith(".publish") for one in ast.walk(loop))
 
 
 def _out_of_branches(seen: Situation) -> Iterator[Proposal]:
@@ -359,24 +338,7 @@ def _out_of_branches(seen: Situation) -> Iterator[Proposal]:
             for one in {id(each): each for each in (*sent, *branch[-1:])}.values() if len(branch) > 1 else ():
                 if isinstance(one, ast.Expr):
                     values = {"line": one.lineno, "loop": outer.lineno}
-                    yield Proposal("out_of_branch", 2.4, _out_of(seen.script, outer, [one]), values)
-
-
-def _into_branches(seen: Situation) -> Iterator[Proposal]:
-    """Yield a count that stands before an `if` moved into it: it counts what the test says, not each round."""
-    for node in ast.walk(seen.script.tree):
-        if not isinstance(node, ast.If) or node.lineno not in seen.ledger.ran:
-            continue
-        block = seen.script.block_of(node)
-        place = next((i for i, one in enumerate(block) if one is node), 0)
-        for one in block[max(place - 2, 0) : place]:
-            counts = isinstance(one, ast.AugAssign) and dotted(one.target) not in map(
-                dotted, ast.walk(node.test)
-            )
-            if counts:  # of what the test does not ask for
-                text = seen.script.source(one)
-                edits = (seen.script.removed(one), seen.script.inserted_before(node.body[0], text))
-                yield Proposal("into_branch", 2.1, edits, {"line": one.lineno, "loop": node.lineno})
+                    yield Proposal("out_of_branch", 2.4, _put_behind(seen.script, outer, [one]), values)
 
 
 def _into_ends(seen: Situation) -> Iterator[Proposal]:
@@ -384,32 +346,24 @@ def _into_ends(seen: Situation) -> Iterator[Proposal]:
     for node in ast.walk(seen.script.tree):
         if not isinstance(node, ast.If) or node.orelse or node.lineno not in seen.ledger.ran:
             continue
-        block = seen.script.block_of(node)
-        place = next((i for i, one in enumerate(block) if one is node), 0)
-        for one in block[place + 1 : place + 2]:
+        for one in seen.script.behind(node)[:1]:
             ends = isinstance(one, ast.Return | ast.Break) or is_call(one, ENDS)
             if ends or isinstance(one, ast.Assign | ast.AugAssign):
-                edits = _into(seen.script, node.body[-1], [one])
+                edits = _put_behind(seen.script, node.body[-1], [one])
                 values = {"line": one.lineno, "loop": node.lineno}
                 yield Proposal("into_if", 2.0 if ends else 2.6, edits, values)
 
 
-def _into(script: ParsedScript, last: ast.stmt, moved: list[ast.stmt]) -> tuple[Edit, ...]:
-    texts = [line for one in moved for line in script.source(one).splitlines()]
-    if any("\n" in script.source(one) for one in moved):
-        return ()
-    return (*(script.removed(one) for one in moved), script.inserted_after(last, *texts))
-
-
-def _out_of(script: ParsedScript, loop: ast.stmt, moved: list[ast.stmt]) -> tuple[Edit, ...]:
-    if any("\n" in script.source(one) for one in moved):
-        return ()
+def _put_behind(script: ParsedScript, other: ast.stmt, moved: list[ast.stmt]) -> tuple[Edit, ...]:
+    """Return the edits that move statements of a line each behind another one; none if one has more lines."""
     texts = [script.source(one) for one in moved]
-    return (*(script.removed(one) for one in moved), script.inserted_after(loop, *texts))
+    if any("\n" in text for text in texts):
+        return ()
+    return (*(script.removed(one) for one in moved), script.inserted_after(other, *texts))
 
 
 def _counters(seen: Situation, known: tuple[NameSet, ...]) -> Iterator[Proposal]:
-    """Yield a counter that grows where it is set anew, and one that nothing changes."""
+    """Yield a count for a counter that nothing changes."""
     tests = {
         dotted(name): node
         for node in ast.walk(seen.script.tree)
@@ -417,11 +371,6 @@ def _counters(seen: Situation, known: tuple[NameSet, ...]) -> Iterator[Proposal]
         for name in ast.walk(node.test)
         if dotted(name)
     }
-    for one in known:
-        if one.target in tests and isinstance(one.statement, ast.Assign) and number_of(one.value) == 1.0:
-            start, end = seen.script.span(one.statement.targets[0])[1], seen.script.span(one.value)[0]
-            values = {"line": one.statement.lineno, "new": f"{one.target} += 1"}
-            yield Proposal("grow", 3.0, (Edit(start, end, " += "),), values)
     for name, node in tests.items():
         sets = [one for one in known if one.target == name]
         if node.lineno not in seen.ledger.ran or not sets or not isinstance(sets[0].value, ast.Constant):
@@ -458,8 +407,7 @@ def _unpublished(seen: Situation, known: tuple[NameSet, ...]) -> Iterator[Propos
             continue
         line = f"{publishers[0]}.publish({message})"
         values = {"line": last.lineno, "name": message}
-        block = seen.script.block_of(last)
-        behind = block[next(i for i, one in enumerate(block) if one is last) + 1 :]
+        behind = seen.script.behind(last)
         for loop in (one for one in behind if isinstance(one, _Loops)):
             edit = seen.script.inserted_before(loop.body[0], line)
             yield Proposal("publish_in_loop", 0.9, (edit,), {**values, "loop": loop.lineno})
@@ -468,8 +416,7 @@ def _unpublished(seen: Situation, known: tuple[NameSet, ...]) -> Iterator[Propos
         ]
         for call in shown:
             new = f"{publishers[0]}.publish"
-            edit = seen.script.replaced(call.func, new)
-            yield Proposal("name", 0.8, (edit,), {"line": call.lineno, "old": "print", "new": new})
+            yield replacing(seen.script, "name", 0.8, call.func, new, old="print")
         wait = next((one for one in behind if _is_wait(one)), None)
         if wait is not None and not _is_short(wait):
             edits = (
@@ -518,34 +465,16 @@ def _pauses(seen: Situation) -> Iterator[Proposal]:
             continue
         for statement in seen.script.statements_on(driven.motion.line):
             if isinstance(seen.script.parent(statement), _Loops):
-                edits = [seen.script.inserted_after(statement, "time.sleep(0.1)")]
-                if not any(isinstance(one, ast.Import) for one in seen.script.tree.body):
-                    edits.append(seen.script.inserted_before(seen.script.tree.body[0], "import time"))
-                yield Proposal("pause", 2.0, tuple(edits), {"line": statement.lineno})
-
-
-def _long_pauses(seen: Situation) -> Iterator[Proposal]:
-    """Yield a short pause in a loop that publishes seldom: it ends later than its test says, by up to a pause."""
-    for loop in ast.walk(seen.script.tree):
-        if not isinstance(loop, ast.While):
-            continue
-        lines = range(loop.lineno, (loop.end_lineno or loop.lineno) + 1)
-        if not any(call.lineno in lines for call in calls_of(seen.script, "publish")):
-            continue
-        for call in calls_of(seen.script, "sleep"):
-            value = number_of(call.args[0]) if call.args else None
-            if call.lineno in lines and value is not None and value >= _LONG_PAUSE_S:
-                values = {"line": call.lineno, "old": seen.script.source(call.args[0]), "new": _SHORT_PAUSE}
-                yield Proposal("long_pause", 1.5, (seen.script.replaced(call.args[0], _SHORT_PAUSE),), values)
+                pause = seen.script.inserted_after(statement, "time.sleep(0.1)")
+                edits = (pause, *imported(seen.script, "time"))
+                yield Proposal("pause", 2.0, edits, {"line": statement.lineno})
 
 
 def _sent_once(seen: Situation) -> Iterator[Proposal]:
     """Yield a loop around a publish and the wait behind it, where turtlesim dropped the command before its end."""
     for driven in seen.distinct:
         for statement in seen.script.statements_on(driven.motion.line) if driven.is_held else ():
-            block = seen.script.block_of(statement)
-            place = next((i for i, one in enumerate(block) if one is statement), 0)
-            wait = block[place + 1] if place + 1 < len(block) else statement
+            wait = next(iter(seen.script.behind(statement)), statement)
             if not is_call(statement, ("publish",)) or not _is_wait(wait):
                 continue
             lines = _repeated(seen.script, seen.script.source(statement), wait)
@@ -563,10 +492,7 @@ def _removed(seen: Situation) -> Iterator[Proposal]:
         for line, _, _ in motion.stack:
             for statement in seen.script.statements_on(line):
                 if isinstance(statement, ast.Expr) and isinstance(statement.value, ast.Call):
-                    edit = seen.script.removed(statement)
-                    yield Proposal(
-                        "removed", 4.5, (edit,), {"line": line, "old": seen.script.source(statement)}
-                    )
+                    yield removing(seen.script, 4.5, statement)
     for node in ast.walk(seen.script.tree):
         ends = isinstance(node, ast.Break | ast.Return | ast.Continue) or (
             isinstance(node, ast.stmt) and is_call(node, (*ENDS, "rclpy.spin"))
@@ -579,8 +505,7 @@ def _removed(seen: Situation) -> Iterator[Proposal]:
             and node.lineno in seen.ledger.ran
             and _has_rest(seen, node)
         ):
-            edit = seen.script.removed(node)
-            yield Proposal("removed", 2.3, (edit,), {"line": node.lineno, "old": seen.script.source(node)})
+            yield removing(seen.script, 2.3, node)
     heads = [one for one in seen.script.tree.body if isinstance(one, ast.If)]
     guards = [one for one in heads if "__name__" in seen.script.source(one.test)]
     if len(guards) > 1:
@@ -590,18 +515,16 @@ def _removed(seen: Situation) -> Iterator[Proposal]:
 
 def _has_rest(seen: Situation, statement: ast.stmt) -> bool:
     """Whether something else was to come behind a statement: in its loop or callback, or in its block."""
-    block = seen.script.block_of(statement)
-    place = next((i for i, one in enumerate(block) if one is statement), 0)
     around = [one for one in seen.script.around(statement) if isinstance(one, (*_Loops, ast.If))]
     return (
         bool(around)
-        or any(not is_call(one, ENDS) for one in block[place + 1 :])
-        or _is_callback(seen, block[0])
+        or any(not is_call(one, ENDS) for one in seen.script.behind(statement))
+        or _is_callback(seen, statement)
     )
 
 
 def _is_callback(seen: Situation, statement: ast.stmt) -> bool:
-    makers = [*calls_of(seen.script, "create_timer"), *calls_of(seen.script, "create_subscription")]
+    makers = calls_of(seen.script, "create_timer", "create_subscription")
     function = function_around(seen.script, statement)
     return function is not None and function.name in named_in(makers)
 
@@ -616,8 +539,7 @@ def _negated(seen: Situation) -> Iterator[Proposal]:
             continue  # a state: where it changes may be wrong
         if isinstance(node.test.op, ast.Not) and node.lineno in ran and node.body[0].lineno not in ran:
             new = seen.script.source(node.test.operand)
-            values = {"line": node.lineno, "old": seen.script.source(node.test), "new": new}
-            yield Proposal("comparison", 0.7, (seen.script.replaced(node.test, new),), values)
+            yield replacing(seen.script, "comparison", 0.7, node.test, new)
 
 
 def _sleeps_in_callbacks(seen: Situation) -> Iterator[Proposal]:

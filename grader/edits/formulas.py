@@ -11,7 +11,16 @@ from collections.abc import Callable, Iterator
 from typing import Final, NamedTuple
 
 from grader.edits.situation import Driven, Proposal, Situation
-from grader.edits.slices import NameSet, assignments, calls_of, dotted, expressions_behind, number_of
+from grader.edits.slices import (
+    Functions,
+    NameSet,
+    assignments,
+    calls_of,
+    dotted,
+    expressions_behind,
+    function_around,
+    number_of,
+)
 from grader.edits.tree import ParsedScript
 
 _CONVERSIONS: Final[dict[str, Callable[[float], float]]] = {
@@ -38,7 +47,6 @@ _OFF: Final = 0.03  # what updates of turtlesim and a loop's period add or take 
 _MOST_OFF: Final = 0.15
 _SAME: Final = 1e-9
 _STEP: Final = 0.1  # of cost, for each assignment between a formula and the motion
-_Functions = ast.FunctionDef | ast.AsyncFunctionDef
 
 
 class _Rewritten(NamedTuple):
@@ -128,17 +136,13 @@ def _calculations(values: "Values", node: ast.expr) -> Iterator[_Rewritten]:
         turned = f"{script.source(node.right)} / {_operand(script, node.left)}"
         yield _Rewritten(turned, (right / left) ** 2, 0.9)
     is_factor = number_of(node.right) is not None or isinstance(node.right, ast.Call)
-    if is_factor and not _has_pi(node):
+    if is_factor and not any(map(is_pi, ast.walk(node))):
         yield _Rewritten(_operand(script, node.left), 1.0 / right if is_product else right, 1.3)
 
 
 def _operand(script: ParsedScript, node: ast.expr) -> str:
     source = script.source(node)
     return f"({source})" if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Add | ast.Sub) else source
-
-
-def _has_pi(node: ast.expr) -> bool:
-    return any(dotted(one).rpartition(".")[2].casefold() in _PI for one in _parts(node))
 
 
 def _parts(node: ast.expr) -> list[ast.expr]:
@@ -188,7 +192,7 @@ def _turned(values: "Values", node: ast.expr, targets: list[tuple[float, float]]
     now = values.of(node) if isinstance(node, ast.BinOp) and values.driven.is_turn else None
     size, wanted = targets[0]
     names = {dotted(one): values.of(one) for one in _parts(node) if dotted(one)}
-    pi = next((name for name in names if name.rpartition(".")[2].casefold() in _PI), "")
+    pi = next((dotted(one) for one in _parts(node) if is_pi(one)), "")
     degrees = math.degrees(abs(now or 0.0)) if pi else abs(now or 0.0)
     if not now or abs(degrees - size) > tolerance(values.driven) * size:
         return
@@ -215,12 +219,12 @@ class Values:
 
     def names_at(self, node: ast.expr) -> list[tuple[str, float]]:
         """Return the names that stand for one number and that can be read where `node` stands."""
-        function = self._function(node)
+        function = function_around(self.script, node)
         rows = dict(self._read_in(function))
         is_method = function is not None and [one.arg for one in function.args.args[:1]] == ["self"]
         base = dotted(node).rpartition(".")[0] or ("self" if is_method else "")
         for one in assignments(self.script):
-            set_in = self._function(one.statement)
+            set_in = function_around(self.script, one.statement)
             in_class = isinstance(self.script.parent(one.statement), ast.ClassDef)
             is_attribute = in_class or one.target.startswith("self.")
             name = f"{base}.{one.target.removeprefix('self.')}" if is_attribute else one.target
@@ -229,24 +233,23 @@ class Values:
                 rows.setdefault(name, self.of(one.value))
         return [(name, value) for name, value in rows.items() if name and value][:_MOST_NAMES]
 
-    def _read_in(self, function: "ast.FunctionDef | ast.AsyncFunctionDef | None") -> dict[str, float | None]:
+    def _read_in(self, function: Functions | None) -> dict[str, float | None]:
         if id(function) not in self._read:
-            names = (one for one in ast.walk(function or self.script.tree) if dotted(one))
-            inside = (one for one in names if isinstance(one, ast.expr) and self._function(one) is function)
-            self._read[id(function)] = {dotted(one): self.of(one) for one in inside}
+            names = (one for one in ast.walk(function or self.script.tree) if isinstance(one, ast.expr))
+            inside = (one for one in names if function_around(self.script, one) is function)
+            self._read[id(function)] = {dotted(one): self.of(one) for one in inside if dotted(one)}
         return self._read[id(function)]
 
     def is_parameter(self, node: ast.expr) -> bool:
         """Whether a name is a parameter of the function that it stands in."""
-        function = self._function(node)
+        function = function_around(self.script, node)
         return function is not None and dotted(node) in [one.arg for one in function.args.args]
 
     def _computed(self, node: ast.expr, depth: int) -> float | None:
-        if (value := number_of(node)) is not None:
+        if (value := math.pi if is_pi(node) else number_of(node)) is not None:
             return value
         if isinstance(node, ast.BinOp):
-            left, right = self.of(node.left, depth + 1), self.of(node.right, depth + 1)
-            return None if left is None or right is None else _calculated(node.op, left, right)
+            return _calculated(node.op, self.of(node.left, depth + 1), self.of(node.right, depth + 1))
         if isinstance(node, ast.Call) and len(node.args) == 1:
             convert = _CONVERSIONS.get(dotted(node.func).rpartition(".")[2])
             given = None if convert is None else self.of(node.args[0], depth + 1)
@@ -254,8 +257,6 @@ class Values:
         name = dotted(node)
         if not name:
             return None
-        if name.rpartition(".")[2].casefold() in _PI:
-            return math.pi
         return self._named(node, name, depth + 1)
 
     def _named(self, node: ast.expr, name: str, depth: int) -> float | None:
@@ -266,13 +267,13 @@ class Values:
 
     def definition(self, node: ast.expr) -> ast.expr | None:
         """Return what a name is set to or given; None for what is no name, or is set at several places."""
-        name, function = dotted(node), self._function(node)
+        name, function = dotted(node), function_around(self.script, node)
         if function is not None and self.is_parameter(node):
             return self._given(function, name)
         rows = [one for one in assignments(self.script) if _is_same(self.script, one, name)]
         if "." not in name:
-            local = [one for one in rows if self._function(one.statement) is function]
-            rows = local or [one for one in rows if self._function(one.statement) is None]
+            local = [one for one in rows if function_around(self.script, one.statement) is function]
+            rows = local or [one for one in rows if function_around(self.script, one.statement) is None]
         is_one = len(rows) == 1 and not isinstance(rows[0].statement, ast.AugAssign)
         return rows[0].value if name and is_one else None
 
@@ -284,7 +285,7 @@ class Values:
             node = value
         return node
 
-    def _given(self, function: "ast.FunctionDef | ast.AsyncFunctionDef", name: str) -> ast.expr | None:
+    def _given(self, function: Functions, name: str) -> ast.expr | None:
         """Return what the caller that led to the motion gave for a parameter, or its default."""
         owner = self.script.parent(function)
         called = (
@@ -303,9 +304,6 @@ class Values:
         defaults = dict(zip(reversed(names), reversed(function.args.defaults), strict=False))
         return by_name or defaults.get(name)
 
-    def _function(self, node: ast.AST) -> "ast.FunctionDef | ast.AsyncFunctionDef | None":
-        return next((one for one in self.script.around(node) if isinstance(one, _Functions)), None)
-
 
 def _is_same(script: ParsedScript, one: NameSet, name: str) -> bool:
     """Whether an assignment sets what a name stands for; ``node.X`` is ``self.X``, or ``X`` in its class."""
@@ -314,7 +312,21 @@ def _is_same(script: ParsedScript, one: NameSet, name: str) -> bool:
     return one.target == name or (name.count(".") == 1 and (in_class or one.target == f"self.{attribute}"))
 
 
-def _calculated(operator: ast.operator, left: float, right: float) -> float | None:
+def is_pi(node: ast.AST) -> bool:
+    """Whether a name is that of π."""
+    return dotted(node).rpartition(".")[2].casefold() in _PI
+
+
+def constant(node: ast.expr) -> float | None:
+    """Return the value of a number, of π, or of what is computed of them alone; None for anything else."""
+    if isinstance(node, ast.BinOp):
+        return _calculated(node.op, constant(node.left), constant(node.right))
+    return math.pi if is_pi(node) else number_of(node)
+
+
+def _calculated(operator: ast.operator, left: float | None, right: float | None) -> float | None:
+    if left is None or right is None:
+        return None
     if isinstance(operator, ast.Mult):
         return left * right
     if isinstance(operator, ast.Add):

@@ -5,9 +5,9 @@ import re
 from collections.abc import Iterator
 from typing import Final
 
-from grader.edits.situation import Proposal, Situation
-from grader.edits.slices import dotted, number_of
-from grader.edits.tree import Edit, ParsedScript
+from grader.edits.situation import Proposal, Situation, replacing
+from grader.edits.slices import callee, imported, number_of
+from grader.edits.tree import ParsedScript
 
 _HEADING: Final = re.compile(r"theta|yaw|heading")
 _FOLDING: Final = ("sin", "cos", "atan2", "fmod", "remainder")
@@ -53,7 +53,7 @@ def _is_folded(script: ParsedScript, node: ast.expr) -> bool:
     for above in script.around(node):
         if isinstance(above, ast.stmt):
             return False
-        if isinstance(above, ast.Call) and dotted(above.func).endswith(_FOLDING):
+        if callee(above).endswith(_FOLDING):
             return True
         if isinstance(above, ast.BinOp) and not isinstance(above.op, ast.Mult | ast.Div):
             return True
@@ -68,19 +68,11 @@ def _yaw(script: ParsedScript, node: ast.Call | ast.Attribute) -> Iterator[Propo
     source = script.source(node)
     if isinstance(node, ast.Attribute) and source.endswith("orientation.z"):
         yield _with_math(script, "yaw", node, f"2 * math.atan2({source}, {source[:-1]}w)")
-    elif isinstance(node, ast.Call) and dotted(node.func).endswith("atan2"):
+    elif isinstance(node, ast.Call) and callee(node).endswith("atan2"):
         legs = [getattr(one, "attr", "") for one in node.args]
         if legs == ["z", "w"]:
             yield _with_math(script, "yaw", node, f"2 * {source}")
 
 
 def _with_math(script: ParsedScript, code: str, node: ast.expr, new: str) -> Proposal:
-    edits: list[Edit] = [script.replaced(node, new)]
-    body = script.tree.body
-    if not any(
-        isinstance(one, ast.Import) and any(name.name == "math" for name in one.names) for one in body
-    ):
-        first = next((one for one in body if isinstance(one, ast.Import | ast.ImportFrom)), body[0])
-        edits.append(script.inserted_before(first, "import math"))
-    values = {"line": node.lineno, "old": script.source(node), "new": new}
-    return Proposal(code, 0.9, tuple(edits), values)
+    return replacing(script, code, 0.9, node, new, *imported(script, "math"))

@@ -8,8 +8,19 @@ from collections.abc import Iterator
 from typing import Final
 
 from grader.contracts.outcome import StudentError
-from grader.edits.situation import Proposal, Situation
-from grader.edits.slices import assignments, at_top, calls_of, dotted, expressions_behind, number_of
+from grader.edits.situation import Proposal, Situation, replacing
+from grader.edits.slices import (
+    assignments,
+    at_top,
+    callee,
+    calls_of,
+    classes_of,
+    dotted,
+    expressions_behind,
+    functions_of,
+    number_of,
+    set_once,
+)
 from grader.edits.tree import Edit, ParsedScript
 
 MODULES: Final = ("math", "os", "random", "rclpy", "sys", "threading", "time")
@@ -87,8 +98,7 @@ def _of_error(seen: Situation, error: StudentError, line: int) -> Iterator[Propo
         for call in calls_of(seen.script, "int"):
             old = seen.script.source(call)
             new = f"float{old.removeprefix('int')}"
-            values = {"line": call.lineno, "old": old, "new": new}
-            yield Proposal("float", 0.4, (seen.script.replaced(call, new),), values)
+            yield replacing(seen.script, "float", 0.4, call, new)
     if error.type == "UnboundLocalError" and quoted:
         yield from _globals(seen, line, quoted[0])
     if error.type == "NotInitializedException":
@@ -186,7 +196,7 @@ def _of_self(seen: Situation, line: int, name: str) -> Iterator[Proposal]:
         for assignment in assignments(seen.script)
         if assignment.target.startswith("self.")
     }
-    own |= {node.name for node in ast.walk(seen.script.tree) if isinstance(node, ast.FunctionDef)}
+    own |= {node.name for node in functions_of(seen.script)}
     if name in own:
         edits = tuple(_renamed(seen.script, line, name, f"self.{name}"))
         yield Proposal("own", 0.1, edits, {"line": line, "old": name, "new": f"self.{name}"})
@@ -202,16 +212,13 @@ def _floats(seen: Situation, line: int) -> Iterator[Proposal]:
             new = f"{old}.0" if whole is not None and old.lstrip("-").isdigit() else f"float({old})"
             if isinstance(value, ast.Tuple) and old.replace(",", "").replace(" ", "").strip("()").isdigit():
                 new = old.strip("()").replace(" ", "").replace(",", ".")
-            edit = seen.script.replaced(value, new)
-            yield Proposal("float", 0.2, (edit,), {"line": line, "old": old, "new": new})
+            yield replacing(seen.script, "float", 0.2, value, new)
     for node, _ in expressions_behind(seen.script, [line]):
         if isinstance(node, ast.Constant) and isinstance(node.value, str) and _is_decimal(node.value):
-            values = {"line": node.lineno, "old": seen.script.source(node), "new": node.value.strip()}
-            yield Proposal("float", 0.25, (seen.script.replaced(node, node.value.strip()),), values)
+            yield replacing(seen.script, "float", 0.25, node, node.value.strip())
     for call in calls_of(seen.script, "input"):
         old = seen.script.source(call)
-        edit = seen.script.replaced(call, f"float({old})")
-        yield Proposal("float", 0.5, (edit,), {"line": call.lineno, "old": old, "new": f"float({old})"})
+        yield replacing(seen.script, "float", 0.5, call, f"float({old})")
 
 
 def _is_decimal(text: str) -> bool:
@@ -227,8 +234,7 @@ def _quoted(seen: Situation, line: int, name: str) -> Iterator[Proposal]:
                 and node.id == name
                 and isinstance(seen.script.parent(node), ast.Call)
             ):
-                edit = seen.script.replaced(node, f"'{name}'")
-                yield Proposal("quotes", 0.4, (edit,), {"line": line, "old": name, "new": f"'{name}'"})
+                yield replacing(seen.script, "quotes", 0.4, node, f"'{name}'")
 
 
 def _node_names(seen: Situation) -> Iterator[Proposal]:
@@ -242,14 +248,13 @@ def _node_names(seen: Situation) -> Iterator[Proposal]:
         old = given.value if isinstance(given, ast.Constant) else None
         if isinstance(old, str):
             new = re.sub(r"\W+", "_", old.strip(), flags=re.ASCII).strip("_0123456789") or "my_node"
-            edit = seen.script.replaced(given, f"'{new}'")
-            yield Proposal("node_name", 0.3, (edit,), {"line": given.lineno, "old": old, "new": new})
+            yield replacing(seen.script, "node_name", 0.3, given, f"'{new}'", old=old, new=new)
 
 
 def _parameters(seen: Situation, error: StudentError, line: int) -> Iterator[Proposal]:
     """Yield ``self`` for a method without it, and the depth of the queue that a publisher needs."""
-    for node in ast.walk(seen.script.tree):
-        if isinstance(node, ast.FunctionDef) and f"{node.name}()" in error.message:
+    for node in functions_of(seen.script):
+        if f"{node.name}()" in error.message:
             first = node.args.args[0].arg if node.args.args else ""
             if first != "self" and isinstance(seen.script.parent(node), ast.ClassDef):
                 at = seen.script.text.index("(", seen.script.span(node)[0]) + 1
@@ -285,9 +290,9 @@ def _init(seen: Situation, line: int) -> Iterator[Proposal]:
 
 
 def _makers(script: ParsedScript) -> Iterator[ast.stmt]:
-    classes = {node.name for node in ast.walk(script.tree) if isinstance(node, ast.ClassDef)}
+    classes = {node.name for node in classes_of(script)}
     for assignment in assignments(script):
-        if isinstance(assignment.value, ast.Call) and dotted(assignment.value.func) in classes:
+        if callee(assignment.value) in classes:
             yield assignment.statement
 
 
@@ -298,12 +303,10 @@ def _topics(seen: Situation) -> Iterator[Proposal]:
         given |= {one.arg: one.value for one in call.keywords if one.arg}
         topic, kind = given.get("topic"), given.get("msg_type")
         if topic is not None:
-            set_to = [one.value for one in assignments(seen.script) if one.target == dotted(topic)]
-            place = set_to[0] if len(set_to) == 1 else topic
+            place = set_once(seen.script, topic)
             old = place.value if isinstance(place, ast.Constant) else seen.script.source(place)
             if old != seen.topic:
-                values = {"line": place.lineno, "old": old, "new": seen.topic}
-                yield Proposal("topic", 1.0, (seen.script.replaced(place, f"'{seen.topic}'"),), values)
+                yield replacing(seen.script, "topic", 1.0, place, f"'{seen.topic}'", old=old, new=seen.topic)
         if kind is not None and dotted(kind) and dotted(kind) != seen.twist:
             yield from _of_type(seen, kind)
 
@@ -313,9 +316,7 @@ def _qualities(seen: Situation) -> Iterator[Proposal]:
     for note in seen.outcome.notes:
         if note.code not in ("incompatible_qos", "sensor_qos"):
             continue
-        for call in (
-            one for name in ("create_publisher", "create_subscription") for one in calls_of(seen.script, name)
-        ):
+        for call in calls_of(seen.script, "create_publisher", "create_subscription"):
             given = {one.arg: one.value for one in call.keywords}
             quality = given.get("qos_profile") or (call.args[-1] if len(call.args) >= 3 else None)
             topic = seen.script.source(given.get("topic") or call.args[1] if len(call.args) > 1 else call)
@@ -386,9 +387,7 @@ def _of_type(seen: Situation, kind: ast.expr) -> Iterator[Proposal]:
 def _meant_fields(seen: Situation, kind: str) -> list[Edit]:
     """Return the edits of the fields that are set on messages of a type, if all can be those of a Twist."""
     known = assignments(seen.script)
-    messages = {
-        one.target for one in known if isinstance(one.value, ast.Call) and dotted(one.value.func) == kind
-    }
+    messages = {one.target for one in known if callee(one.value) == kind}
     edits: list[Edit] = []
     for one in known:
         for message in messages:

@@ -9,18 +9,22 @@ from dataclasses import replace
 from typing import Final
 
 from grader.contracts.outcome import RunStatus
-from grader.edits.formulas import formula_changes, role_of, stale_changes, tolerance
-from grader.edits.situation import Driven, Proposal, Situation
+from grader.edits.formulas import constant, formula_changes, is_pi, role_of, stale_changes, tolerance
+from grader.edits.situation import Driven, Proposal, Situation, replacing
 from grader.edits.slices import (
+    Functions,
     NumberUse,
     assignments,
+    callee,
     calls_of,
     dotted,
     expressions_behind,
+    functions_of,
     known_number,
     named_in,
     number_of,
     numbers_behind,
+    statement_around,
 )
 from grader.edits.tree import Edit, ParsedScript
 
@@ -96,13 +100,7 @@ def number_changes(seen: Situation) -> Iterator[Proposal]:
 def _lines(seen: Situation, driven: Driven) -> tuple[int, ...]:
     """Return the lines that decide about a motion, with those that create the timers of its callbacks."""
     functions = {row[1] for row in driven.motion.stack}
-    timers = [
-        node.lineno
-        for node in ast.walk(seen.script.tree)
-        if isinstance(node, ast.Call)
-        and dotted(node.func).endswith("create_timer")
-        and any(dotted(one).rpartition(".")[2] in functions for one in node.args)
-    ]
+    timers = [call.lineno for call in calls_of(seen.script, "create_timer") if functions & named_in([call])]
     return (*driven.motion.lines, *timers)
 
 
@@ -145,7 +143,7 @@ def _in_radians(seen: Situation, driven: Driven, use: NumberUse) -> Iterator[Pro
 
 def _is_count(script: ParsedScript, number: ast.expr) -> bool:
     """Whether a number is compared with a name that counts by whole steps, or stands in a `range`."""
-    if any(isinstance(one, ast.Call) and dotted(one.func) == "range" for one in script.around(number)):
+    if any(callee(one) == "range" for one in script.around(number)):
         return True
     above = script.parent(number)
     compared = (
@@ -183,7 +181,7 @@ def _converts(script: ParsedScript, call: ast.Call) -> bool:
     name = dotted(call.func).rpartition(".")[2]
     if name in ("radians", "deg2rad"):
         return True
-    own = (node for node in ast.walk(script.tree) if isinstance(node, ast.FunctionDef) and node.name == name)
+    own = (node for node in functions_of(script) if node.name == name)
     return any(_CONVERTED.search(script.source(one)) for one in own)
 
 
@@ -197,12 +195,12 @@ def _scaled(
     if _is_constant(seen.script, use.node):
         return
     unit = "deg" if driven.is_turn else "m"
-    whole = _is_whole(seen.script, use.node)
+    whole = callee(seen.script.parent(use.node)) == "range"
     for place, (size, wanted) in enumerate(targets):
         ratio = wanted / size
         if (
             driven.is_held
-            or _is_size(abs(use.value), wanted, unit)
+            or _unit_of(abs(use.value), wanted, unit, _NEAR) is not None
             or not 1.0 / _MOST_RATIO <= ratio <= _MOST_RATIO
         ):
             continue
@@ -235,11 +233,6 @@ def _unit_of(value: float, size: float, unit: str, share: float) -> float | None
     return next((one for one in factors if abs(value - size * one) <= share * size * one), None)
 
 
-def _is_size(value: float, size: float, unit: str) -> bool:
-    """Whether a number is a size in metres, or in degrees or radians."""
-    return _unit_of(value, size, unit, _NEAR) is not None
-
-
 def _angles(
     seen: Situation, driven: Driven, lines: tuple[int, ...], targets: list[tuple[float, float]]
 ) -> Iterator[Proposal]:
@@ -252,7 +245,7 @@ def _angles(
         for place, (size, wanted) in enumerate(targets):
             if abs(abs(math.degrees(value)) - size) > max(_QUANTUM, tolerance(driven)) * size:
                 continue
-            new = _angle_in(wanted, next(dotted(one) for one in ast.walk(node) if _is_pi(one)))
+            new = _angle_in(wanted, next(dotted(one) for one in ast.walk(node) if is_pi(one)))
             behind = isinstance(above, ast.BinOp) and above.right is node
             edit = script.replaced(node, f"({new})" if behind else new)
             values = {"line": node.lineno, "old": script.source(node), "new": new}
@@ -262,24 +255,8 @@ def _angles(
 
 def _with_pi(node: ast.AST | None) -> float | None:
     """Return the value of an expression of numbers and pi; None for anything else, and for a lone number."""
-    value = None if node is None else _calculated(node)
-    has_pi = node is not None and any(_is_pi(one) for one in ast.walk(node))
-    return value if has_pi else None
-
-
-def _is_pi(node: ast.AST) -> bool:
-    return dotted(node).rpartition(".")[2].casefold() == "pi"
-
-
-def _calculated(node: ast.AST) -> float | None:
-    if _is_pi(node):
-        return math.pi
-    if not isinstance(node, ast.BinOp) or type(node.op) not in (ast.Mult, ast.Div):
-        return number_of(node)
-    left, right = _calculated(node.left), _calculated(node.right)
-    if left is None or not right:
-        return None
-    return left * right if isinstance(node.op, ast.Mult) else left / right
+    has_pi = isinstance(node, ast.expr) and any(map(is_pi, ast.walk(node)))
+    return constant(node) if has_pi and isinstance(node, ast.expr) else None
 
 
 def _angle_in(degrees: float, pi: str) -> str:
@@ -289,12 +266,10 @@ def _angle_in(degrees: float, pi: str) -> str:
         return pi
     if math.isclose(parts, round(parts), rel_tol=1e-4):
         whole = round(parts)
-        return f"2 * {pi} / {whole}" if whole % 2 and whole > 1 else _half_turn_in(whole, pi)
+        if whole == 1:
+            return f"2 * {pi}"
+        return f"2 * {pi} / {whole}" if whole % 2 else f"{pi} / {whole // 2}"
     return f"{degrees:g} / 180 * {pi}"
-
-
-def _half_turn_in(parts: int, pi: str) -> str:
-    return f"2 * {pi}" if parts == 1 else f"{pi} / {parts // 2}"
 
 
 def _named(value: float, size: float, wanted: float, unit: str, seconds: float = math.inf) -> float | None:
@@ -334,8 +309,7 @@ def _is_of_ticks(script: ParsedScript, use: NumberUse, driven: Driven) -> bool:
 
 def _unlikely(script: ParsedScript, use: NumberUse, ratio: float) -> float:
     """Return how unlikely it is that this number was meant otherwise: one far off, a period, a count, a depth."""
-    value, parent = abs(use.value), script.parent(use.node)
-    called = dotted(parent.func) if isinstance(parent, ast.Call) else ""
+    value, called = abs(use.value), callee(script.parent(use.node))
     unlikely = min(abs(math.log(ratio)), 3.0) * 0.3
     if called.endswith(_PERIODS) and value <= _LONGEST_PERIOD_S:
         unlikely += 1.5
@@ -398,8 +372,7 @@ def _operators(seen: Situation) -> Iterator[Proposal]:
                 yield _replaced(seen, "nanoseconds", 0.8, (NumberUse(node, value, steps), "1e9"))
         elif getattr(node, "attr", "") == "nanoseconds" and not _SECONDS.search(seen.script.text):
             source = seen.script.source(node)
-            values = {"line": node.lineno, "old": source, "new": f"{source} / 1e9"}
-            yield Proposal("nanoseconds", 0.9, (seen.script.replaced(node, f"{source} / 1e9"),), values)
+            yield replacing(seen.script, "nanoseconds", 0.9, node, f"{source} / 1e9", old=source)
 
 
 def _comparisons(seen: Situation, node: ast.Compare, cost: float) -> Iterator[Proposal]:
@@ -445,7 +418,7 @@ def _calculations(seen: Situation, node: ast.BinOp, cost: float) -> Iterator[Pro
         )
         if not left:  # a time that has passed would be negative
             endless = right and seen.outcome.status is RunStatus.INTERRUPTED
-            yield from _exchanged(seen.script, cost + 5.0 - 3.0 * endless, node.left, node.right)
+            yield _exchanged(seen.script, cost + 5.0 - 3.0 * endless, node.left, node.right)
 
 
 def _conversions(script: ParsedScript, node: ast.Call, cost: float) -> Iterator[Proposal]:
@@ -453,23 +426,21 @@ def _conversions(script: ParsedScript, node: ast.Call, cost: float) -> Iterator[
     if len(node.args) == 2 and called.endswith("atan2"):
         axes = [_axis(script.source(one)) for one in node.args]
         if axes != ["y", "x"]:
-            yield from _exchanged(script, (0.9 if axes == ["x", "y"] else 3.0) + cost, *node.args)
+            yield _exchanged(script, (0.9 if axes == ["x", "y"] else 3.0) + cost, *node.args)
     if len(node.args) != 1 or not called.endswith(_CONVERSIONS):
         return
     new = script.source(node.args[0])
     above = script.parent(node)
     if called == "int" and isinstance(above, ast.BinOp) and isinstance(above.op, ast.Mult):
         other = script.source(above.right if above.left is node else above.left)
-        values = {"line": node.lineno, "old": script.source(above), "new": f"int({new} * {other})"}
-        yield Proposal("cut", 1.0, (script.replaced(above, f"int({new} * {other})"),), values)
+        yield replacing(script, "cut", 1.0, above, f"int({new} * {other})")
     values = {"line": node.lineno, "old": script.source(node), "new": new}
     values |= {"sentence": "cut"} if called == "int" else {}
     yield Proposal("converted", 1.8 + cost, (script.replaced(node, new),), values)
     for name, other in (("degrees", "radians"), ("radians", "degrees")):
         if called.endswith(name):
             right = called.replace(name, other)
-            values = {"line": node.lineno, "old": called, "new": right}
-            yield Proposal("name", 1.2 + cost, (script.replaced(node.func, right),), values)
+            yield replacing(script, "name", 1.2 + cost, node.func, right, old=called)
 
 
 def _unsigned(seen: Situation, node: ast.Call) -> Iterator[Proposal]:
@@ -479,8 +450,7 @@ def _unsigned(seen: Situation, node: ast.Call) -> Iterator[Proposal]:
         kept = [one for one in node.args if number_of(one) != 0.0]
     for one in kept if "advance_m" in seen.lost else ():
         new = seen.script.source(one)
-        values = {"line": node.lineno, "old": seen.script.source(node), "new": new}
-        yield Proposal("unsigned", 1.1, (seen.script.replaced(node, new),), values)
+        yield replacing(seen.script, "unsigned", 1.1, node, new)
 
 
 def _axis(text: str) -> str:
@@ -505,7 +475,7 @@ def _opposed(seen: Situation) -> Iterator[Proposal]:
         and _NOW.search(script.source(node.left))
         and not _NOW.search(script.source(node.right))
     ]
-    swapped = [next(_exchanged(script, 1.15, *pair)) for pair in backward[:_MOST_SWAPS]]
+    swapped = [_exchanged(script, 1.15, *pair) for pair in backward[:_MOST_SWAPS]]
     if len(swapped) > 1:
         yield replace(swapped[0], edits=tuple(edit for one in swapped for edit in one.edits))
     only_turned = not any(one.motion.v for one in seen.driven)
@@ -518,7 +488,7 @@ def _opposed(seen: Situation) -> Iterator[Proposal]:
                 left, right = (bool(_NOW.search(script.source(side))) for side in (node.left, node.right))
                 # unless it is "wanted minus present" already
                 if left > right or (left == right and _goes_into(script, node, names)):
-                    yield from _exchanged(script, 1.2 if left > right else 2.0, node.left, node.right)
+                    yield _exchanged(script, 1.2 if left > right else 2.0, node.left, node.right)
         old = script.source(one.value)
         if one.target.endswith(".linear.x") and not old.startswith("-"):
             continue  # to back away from the goal is not meant
@@ -531,7 +501,7 @@ def _opposed(seen: Situation) -> Iterator[Proposal]:
 
 def _goes_into(script: ParsedScript, node: ast.expr, names: set[str]) -> bool:
     """Whether an expression stands in what is assigned to one of `names`."""
-    statement = next((one for one in script.around(node) if isinstance(one, ast.stmt)), None)
+    statement = statement_around(script, node)
     return isinstance(statement, ast.Assign) and any(dotted(one) in names for one in statement.targets)
 
 
@@ -549,7 +519,7 @@ def _is_product(node: ast.expr) -> bool:
 
 def _crossed(seen: Situation) -> Iterator[Proposal]:
     """Yield two arguments of a function exchanged that takes a speed and a turn, or x and y."""
-    functions = (node for node in ast.walk(seen.script.tree) if isinstance(node, ast.FunctionDef))
+    functions = (node for node in functions_of(seen.script))
     led_here = {line for one in seen.driven for line, _, _ in one.motion.stack}
     for function in functions:
         names = [one.arg for one in function.args.args if one.arg != "self"]
@@ -562,15 +532,15 @@ def _crossed(seen: Situation) -> Iterator[Proposal]:
             here = [given for given in calls if given[0].lineno in led_here]
             if not _divides(function, pair):  # a rate and its time: exchanged, they come to the same
                 here = [given for given in here if 0.0 in map(number_of, given)]
-            yield from (next(_exchanged(seen.script, _SWAP_COST, *given)) for given in here[:_MOST_SWAPS])
+            yield from (_exchanged(seen.script, _SWAP_COST, *given) for given in here[:_MOST_SWAPS])
             if calls and _are_twins(seen, function, pair):
-                swapped = [next(_exchanged(seen.script, 1.25, *given)) for given in calls[:_MOST_CALLS]]
+                swapped = [_exchanged(seen.script, 1.25, *given) for given in calls[:_MOST_CALLS]]
                 edits = tuple(edit for one in swapped for edit in one.edits)
                 yield Proposal("exchanged", 1.2, edits, swapped[0].values)
                 yield from swapped[: _MOST_CALLS if len(swapped) > 1 else 0]
 
 
-def _divides(function: ast.FunctionDef, pair: tuple[str, str]) -> bool:
+def _divides(function: Functions, pair: tuple[str, str]) -> bool:
     """Whether a function divides by one of two parameters."""
     quotients = (
         one for one in ast.walk(function) if isinstance(one, ast.BinOp) and isinstance(one.op, ast.Div)
@@ -578,7 +548,7 @@ def _divides(function: ast.FunctionDef, pair: tuple[str, str]) -> bool:
     return any(dotted(one.right) in pair for one in quotients)
 
 
-def _are_twins(seen: Situation, function: ast.FunctionDef, pair: tuple[str, str]) -> bool:
+def _are_twins(seen: Situation, function: Functions, pair: tuple[str, str]) -> bool:
     """Whether two parameters may be confused: x and y, or speed and turn of a car that turned first of all."""
     if seen.outcome.hears:
         return [name[-1:] for name in pair] in (["x", "y"], ["y", "x"])
@@ -621,15 +591,12 @@ def _rays(seen: Situation) -> Iterator[Proposal]:
             old = number_of(node.slice)
             for place, new in enumerate(_DIRECTIONS if old is not None else ()):
                 if new != old:
-                    values = {"line": node.lineno, "old": seen.script.source(node.slice), "new": str(new)}
-                    edit = seen.script.replaced(node.slice, str(new))
-                    yield Proposal("ray", 1.3 + 0.2 * place, (edit,), values)
+                    yield replacing(seen.script, "ray", 1.3 + 0.2 * place, node.slice, str(new))
 
 
-def _exchanged(script: ParsedScript, cost: float, left: ast.expr, right: ast.expr) -> Iterator[Proposal]:
-    old, new = script.source(left), script.source(right)
-    edits = (script.replaced(left, new), script.replaced(right, old))
-    yield Proposal("exchanged", cost, edits, {"line": left.lineno, "old": old, "new": new})
+def _exchanged(script: ParsedScript, cost: float, left: ast.expr, right: ast.expr) -> Proposal:
+    other = script.replaced(right, script.source(left))
+    return replacing(script, "exchanged", cost, left, script.source(right), other)
 
 
 def _between(
@@ -645,20 +612,12 @@ def _between(
         yield Proposal(code, cost, (Edit(start, end, spaced),), values)
 
 
-def _is_whole(script: ParsedScript, node: ast.expr) -> bool:
-    """Whether only a whole number can stand there."""
-    parent = script.parent(node)
-    return isinstance(parent, ast.Call) and dotted(parent.func) == "range"
-
-
 def _replaced(
     seen: Situation, code: str, cost: float, change: tuple[NumberUse, str], **values: object
 ) -> Proposal:
     use, new = change
-    edit = seen.script.replaced(use.node, new)
-    old = seen.script.source(use.node)
-    values |= {"line": use.node.lineno, "old": old, "new": new, "field": _given_to(seen.script, use.node)}
-    return Proposal(code, cost, (edit,), values)
+    given_to = _given_to(seen.script, use.node)
+    return replacing(seen.script, code, cost, use.node, new, field=given_to, **values)
 
 
 def _given_to(script: ParsedScript, node: ast.expr) -> str:

@@ -8,7 +8,7 @@ from typing import Final
 from grader.contracts.outcome import RunStatus
 from grader.edits.headings import heading_changes
 from grader.edits.situation import Cause, Situation
-from grader.edits.slices import assignments, calls_of, dotted, function_around, is_read, named_in
+from grader.edits.slices import assignments, calls_of, dotted, function_around, is_read, mentions, named_in
 from grader.edits.spins import SPINS
 
 _CLOCK: Final = re.compile(r"\bnow\b|\btime\(\)|monotonic|perf_counter|nanoseconds")
@@ -21,11 +21,8 @@ def set_anew(seen: Situation) -> Iterator[Cause]:
     for one in assignments(seen.script):
         if one.statement.lineno not in seen.ledger.ran or not _CLOCK.search(seen.script.source(one.value)):
             continue
-        block = seen.script.block_of(one.statement)
-        behind = block[1 + next(i for i, other in enumerate(block) if other is one.statement) :]
-        test = next(
-            (each for each in behind if isinstance(each, ast.If) and _asks(each.test, one.target)), None
-        )
+        behind = (each for each in seen.script.behind(one.statement) if isinstance(each, ast.If))
+        test = next((each for each in behind if _asks(each.test, one.target)), None)
         repeats = function_around(seen.script, one.statement) is not None and "." in one.target
         if (
             repeats
@@ -38,12 +35,12 @@ def set_anew(seen: Situation) -> Iterator[Cause]:
 
 
 def _asks(test: ast.expr, name: str) -> bool:
-    return isinstance(test, ast.Compare) and any(dotted(node) == name for node in ast.walk(test))
+    return isinstance(test, ast.Compare) and mentions(test, name)
 
 
 def unheard(seen: Situation) -> Iterator[Cause]:
     """Yield the subscription's callback that never ran, as nothing spun, and whose values were used."""
-    spins = [call for name in SPINS for call in calls_of(seen.script, name)]
+    spins = calls_of(seen.script, *SPINS)
     if any(call.lineno in seen.ledger.ran for call in spins) or not seen.ledger.whole:
         return
     callbacks = named_in(calls_of(seen.script, "create_subscription"))

@@ -5,9 +5,20 @@ import re
 from collections.abc import Callable, Iterator
 from typing import Final
 
-from grader.edits.failing import FailingLine, classes_of, makes_node, own_functions
-from grader.edits.situation import Proposal
-from grader.edits.slices import at_top, calls_of, dotted, named_in, number_of
+from grader.edits.failing import FailingLine
+from grader.edits.situation import Proposal, replacing
+from grader.edits.slices import (
+    calls_of,
+    classes_of,
+    dotted,
+    function_around,
+    functions_of,
+    imported,
+    makes_node,
+    named_in,
+    number_of,
+    statement_around,
+)
 from grader.edits.tree import Edit
 
 
@@ -53,15 +64,14 @@ def _beginnings(at: FailingLine, method: ast.FunctionDef) -> Iterator[Proposal]:
     elif begun[0] is not method.body[0]:
         text = at.script.source(begun[0])
         edits = (at.script.removed(begun[0]), at.script.inserted_before(method.body[0], text))
-        values = {"line": begun[0].lineno, "old": text, "new": text, "error": at.error.type}
-        yield Proposal("sooner", 0.5, edits, values)
+        yield at.proposal("sooner", 0.5, edits, begun[0].lineno, old=text, new=text)
 
 
 def _parameters_of_ros(at: FailingLine) -> Iterator[Proposal]:
     """Yield the value of a parameter, and its declaration with a default."""
     lengths = [one for one in at.seen.wanted.lengths_m[:2] if one >= 1.0]  # less is what is wanted at least
     values = [*dict.fromkeys((*map(str, lengths), "1.0"))]
-    for call in (*calls_of(at.script, "get_parameter"), *calls_of(at.script, "declare_parameter")):
+    for call in calls_of(at.script, "get_parameter", "declare_parameter"):
         parent = at.script.parent(call)
         if isinstance(parent, ast.Attribute) and parent.attr != "value":
             outer = at.script.parent(parent)
@@ -70,7 +80,7 @@ def _parameters_of_ros(at: FailingLine) -> Iterator[Proposal]:
         elif not isinstance(parent, ast.Attribute | ast.Expr):
             yield at.mended(0.5, call, f"{at.script.source(call)}.value")
         if call.args and "eclar" in at.error.type and "get_" in dotted(call.func):
-            statement = next((one for one in at.script.around(call) if isinstance(one, ast.stmt)), None)
+            statement = statement_around(at.script, call)
             if statement is not None:
                 owner = dotted(call.func).removesuffix(".get_parameter")
                 for place, value in enumerate(values):
@@ -81,8 +91,7 @@ def _parameters_of_ros(at: FailingLine) -> Iterator[Proposal]:
         given = call.args[1] if len(call.args) > 1 else None
         old = "" if given is None else at.script.source(given)
         if given is not None and old.isdigit() and "'INTEGER'" in at.error.message:
-            old_new = {"line": call.lineno, "old": old, "new": f"{old}.0"}
-            yield Proposal("float", 0.1, (at.script.replaced(given, f"{old}.0"),), old_new)
+            yield replacing(at.script, "float", 0.1, given, f"{old}.0")
         if given is not None and "ninitialized" in at.error.type:
             yield at.mended(0.3, given, values[-1])
 
@@ -114,7 +123,7 @@ def _answers(at: FailingLine) -> Iterator[Proposal]:
     makers += [("add_on_set_parameters_callback", 1)] * ("'successful'" in at.error.message)
     for maker, needed in makers:
         names = named_in(calls_of(at.script, maker))
-        for function in own_functions(at.script):
+        for function in functions_of(at.script):
             arguments = [arg.arg for arg in function.args.args]
             if function.name not in names or len(arguments) < needed:
                 continue
@@ -137,10 +146,9 @@ def _older_words(at: FailingLine) -> Iterator[Proposal]:
             ]
             new = f"time.sleep({1.0 / hertz:g})"
             changes = [at.script.removed(one.statement), *(at.script.replaced(call, new) for call in waits)]
-            if not re.search(r"^\s*import .*\btime\b", at.script.text, re.MULTILINE):
-                changes.append(at_top(at.script, "import time"))
-            values = {"line": one.statement.lineno, "old": at.script.source(one.value), "new": new}
-            yield Proposal("mended", 0.1, tuple(changes), {**values, "error": at.error.type})
+            changes += imported(at.script, "time")
+            old = at.script.source(one.value)
+            yield at.proposal("mended", 0.1, changes, one.statement.lineno, old=old, new=new)
     for call in at.calls:
         owner, _, name = dotted(call.func).rpartition(".")
         given = [at.script.source(arg) for arg in call.args]
@@ -165,10 +173,10 @@ def _older_words(at: FailingLine) -> Iterator[Proposal]:
 
 def _node_here(at: FailingLine, node: ast.AST) -> str:
     """Return the name of the node where something stands: ``self`` in a method."""
-    function = at.function(node)
+    function = function_around(at.script, node)
     if function is not None and [one.arg for one in function.args.args][:1] == ["self"]:
         return "self"
-    return next((one.target for one in at.known if makes_node(at, one)), "node")
+    return next((one.target for one in at.known if makes_node(at.script, one)), "node")
 
 
 def _ends(at: FailingLine) -> Iterator[Proposal]:
@@ -178,17 +186,13 @@ def _ends(at: FailingLine) -> Iterator[Proposal]:
         for call in calls_of(at.script, name):
             statement = at.script.parent(call)
             if isinstance(statement, ast.Expr) and call.lineno in at.seen.ledger.ran:
-                functions.setdefault(at.function(call) or at.script.tree, []).append(statement)
+                functions.setdefault(function_around(at.script, call) or at.script.tree, []).append(statement)
     for function, statements in functions.items():
         last = function.body[-1]  # type: ignore[attr-defined]
         texts = [at.script.source(one) for one in sorted(statements, key=lambda one: one.lineno)]
         edits = (*(at.script.removed(one) for one in statements), at.script.inserted_after(last, *texts))
-        values = {
-            "line": min(one.lineno for one in statements),
-            "old": ", ".join(texts),
-            "error": at.error.type,
-        }
-        yield Proposal("later", 0.4, edits, values)
+        first = min(one.lineno for one in statements)
+        yield at.proposal("later", 0.4, edits, first, old=", ".join(texts))
 
 
 ROS_OPERATORS: Final[tuple[Callable[[FailingLine], Iterator[Proposal]], ...]] = (

@@ -1,5 +1,6 @@
 """What a search for a change begins with: the script, what its lines did, and what was wanted of the car."""
 
+import ast
 import itertools
 import math
 import re
@@ -120,6 +121,27 @@ class Cause:
     values: dict[str, object] = field(default_factory=dict)
 
 
+def replacing(
+    script: ParsedScript,
+    code: str,
+    cost: float,
+    node: ast.expr | ast.stmt,
+    new: str,
+    /,
+    *others: Edit,
+    **values: object,
+) -> Proposal:
+    """Return the proposal that puts `new` in the place of a node, with other edits. `values` are named as well."""
+    values = {"line": node.lineno, "old": script.source(node), "new": new, **values}
+    return Proposal(code, cost, (script.replaced(node, new), *others), values)
+
+
+def removing(script: ParsedScript, cost: float, statement: ast.stmt) -> Proposal:
+    """Return the proposal that takes a statement out."""
+    values = {"line": statement.lineno, "old": script.source(statement)}
+    return Proposal("removed", cost, (script.removed(statement),), values)
+
+
 def _all_fit(sizes: Sequence[float], wanted: Sequence[float]) -> bool:
     """Whether sizes have one sign, and each is one of those that are wanted."""
     return len({size > 0.0 for size in sizes}) == 1 and all(
@@ -238,19 +260,15 @@ class Situation:
     @cached_property
     def twist(self) -> str:
         """The name under which the script has the class of commands."""
-        import ast
-
         for node in ast.walk(self.script.tree):
             if isinstance(node, ast.ImportFrom) and node.module == "geometry_msgs.msg":
                 for one in node.names:
-                    if getattr(one, "name", "") == "Twist":
-                        return getattr(one, "asname", None) or "Twist"
+                    if one.name == "Twist":
+                        return one.asname or "Twist"
         return "Twist"
 
-    def publish_on(self, line: int) -> "tuple[str, str] | None":
+    def publish_on(self, line: int) -> tuple[str, str] | None:
         """Return the publisher and the message (a name, or empty) of the publish on a line."""
-        import ast
-
         for node in ast.walk(self.script.tree):
             if isinstance(node, ast.Call) and node.lineno == line and dotted(node.func).endswith(".publish"):
                 return dotted(node.func).removesuffix(".publish"), dotted(node.args[0]) if node.args else ""

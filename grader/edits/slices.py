@@ -11,7 +11,7 @@ _MOST_STEPS: Final = 5
 _MOST_NUMBERS: Final = 40
 _MOST_FOLLOWED: Final = 60
 _MOST_EXPRESSIONS: Final = 600
-_Functions = ast.FunctionDef | ast.AsyncFunctionDef
+Functions = ast.FunctionDef | ast.AsyncFunctionDef
 
 
 class NumberUse(NamedTuple):
@@ -39,6 +39,11 @@ def dotted(node: ast.AST | None) -> str:
     if not isinstance(node, ast.Name):
         return ""
     return ".".join((node.id, *reversed(parts)))
+
+
+def callee(node: ast.AST | None) -> str:
+    """Return the dotted name of what a call calls; empty for what is no such call."""
+    return dotted(node.func) if isinstance(node, ast.Call) else ""
 
 
 @lru_cache(maxsize=2)  # every operator asks
@@ -70,6 +75,11 @@ def is_read(script: ParsedScript, node: ast.AST) -> bool:
     return not isinstance(parent, ast.Assign) or all(one is not node for one in parent.targets)
 
 
+def mentions(part: ast.AST, name: str) -> bool:
+    """Whether a name stands somewhere in a part of the script."""
+    return any(dotted(node) == name for node in ast.walk(part))
+
+
 def heads(script: ParsedScript, statement: ast.stmt) -> Iterator[ast.expr]:
     """Yield what decides whether and how often a statement runs, up to its function: tests, what loops go over."""
     for node in script.around(statement):
@@ -77,7 +87,7 @@ def heads(script: ParsedScript, statement: ast.stmt) -> Iterator[ast.expr]:
             yield node.test
         elif isinstance(node, ast.For):
             yield node.iter
-        elif isinstance(node, _Functions | ast.ClassDef):
+        elif isinstance(node, Functions | ast.ClassDef):
             return
 
 
@@ -89,7 +99,7 @@ def own_parts(statement: ast.stmt) -> list[ast.AST]:
         return [statement.target, statement.iter]
     if isinstance(statement, ast.With):
         return [item.context_expr for item in statement.items]
-    if isinstance(statement, _Functions):
+    if isinstance(statement, Functions):
         return [*statement.args.defaults]
     return [] if isinstance(statement, ast.ClassDef | ast.Try) else [statement]
 
@@ -109,7 +119,7 @@ def expressions_behind(script: ParsedScript, lines: Iterable[int]) -> list[tuple
     known = [_as_attribute(script, one) for one in assignments(script)]
     waiting: list[tuple[ast.AST, int]] = []
     for line in lines:
-        for statement in _statements_over(script, line):
+        for statement in statements_over(script, line):
             waiting += [(part, 0) for part in own_parts(statement)]
             waiting += [(head, 0) for head in heads(script, statement)]
     expressions: dict[int, tuple[ast.expr, int]] = {}
@@ -159,8 +169,13 @@ def number_of(node: ast.AST) -> float | None:
 
 def known_number(script: ParsedScript, node: ast.expr) -> float | None:
     """Return the value of a number, or of a name that is set once, to a number; None for anything else."""
-    values = [one.value for one in assignments(script) if one.target == dotted(node)] or [node]
-    return number_of(values[0]) if len(values) == 1 else None
+    return number_of(set_once(script, node))
+
+
+def set_once(script: ParsedScript, node: ast.expr) -> ast.expr:
+    """Return what a name that is set once is set to; for anything else the node itself."""
+    values = [one.value for one in assignments(script) if one.target == dotted(node)]
+    return values[0] if len(values) == 1 else node
 
 
 def _is_part_of_number(script: ParsedScript, node: ast.expr) -> bool:
@@ -168,7 +183,7 @@ def _is_part_of_number(script: ParsedScript, node: ast.expr) -> bool:
     return isinstance(parent, ast.UnaryOp) and number_of(parent) is not None
 
 
-def _statements_over(script: ParsedScript, line: int) -> list[ast.stmt]:
+def statements_over(script: ParsedScript, line: int) -> list[ast.stmt]:
     """Return the innermost statement that covers a line, or all that begin there."""
     if begun := script.statements_on(line):
         return begun
@@ -232,13 +247,20 @@ def _declared(script: ParsedScript, part: ast.AST) -> Iterator[ast.expr]:
 
 
 @lru_cache(maxsize=2)  # as `assignments`
-def _functions(script: ParsedScript) -> tuple[_Functions, ...]:
-    return tuple(node for node in ast.walk(script.tree) if isinstance(node, _Functions))
+def functions_of(script: ParsedScript) -> tuple[Functions, ...]:
+    """Return the functions and methods that a script defines."""
+    return tuple(node for node in ast.walk(script.tree) if isinstance(node, Functions))
+
+
+@lru_cache(maxsize=2)  # as `assignments`
+def classes_of(script: ParsedScript) -> tuple[ast.ClassDef, ...]:
+    """Return the classes that a script defines."""
+    return tuple(node for node in ast.walk(script.tree) if isinstance(node, ast.ClassDef))
 
 
 def _defaults(script: ParsedScript, name: str) -> Iterator[ast.expr]:
     """Yield the default values of parameters called `name`."""
-    for function in _functions(script):
+    for function in functions_of(script):
         arguments = [*function.args.posonlyargs, *function.args.args]
         given = zip(reversed(arguments), reversed(function.args.defaults), strict=False)
         yield from (default for argument, default in given if argument.arg == name)
@@ -246,7 +268,7 @@ def _defaults(script: ParsedScript, name: str) -> Iterator[ast.expr]:
 
 def _arguments(script: ParsedScript, name: str) -> Iterator[ast.expr]:
     """Yield what callers give for parameters called `name`."""
-    for function in _functions(script):
+    for function in functions_of(script):
         names = [one.arg for one in (*function.args.posonlyargs, *function.args.args)]
         if name not in names:
             continue
@@ -259,21 +281,23 @@ def _arguments(script: ParsedScript, name: str) -> Iterator[ast.expr]:
 
 def _returned(script: ParsedScript, name: str) -> Iterator[ast.expr]:
     """Yield what a function called `name` returns."""
-    for function in _functions(script):
+    for function in functions_of(script):
         if function.name == name.rpartition(".")[2]:
             for node in ast.walk(function):
                 if isinstance(node, ast.Return) and node.value is not None:
                     yield node.value
 
 
-def calls_of(script: ParsedScript, name: str) -> Iterator[ast.Call]:
-    """Yield the calls of functions and methods of that name."""
-    yield from _calls(script).get(name, ())
+def calls_of(script: ParsedScript, *names: str) -> list[ast.Call]:
+    """Return the calls of functions and methods of these names."""
+    calls = _calls(script)
+    return [call for name in names for call in calls.get(name, ())]
 
 
 def named_in(calls: Iterable[ast.Call]) -> set[str]:
     """Return the names given to calls, such as those of callbacks, without what stands before the last dot."""
-    return {dotted(value).rpartition(".")[2] for call in calls for value in call.args} - {""}
+    given = (value for call in calls for value in (*call.args, *(one.value for one in call.keywords)))
+    return {dotted(value).rpartition(".")[2] for value in given} - {""}
 
 
 @lru_cache(maxsize=2)  # as `assignments`
@@ -285,24 +309,38 @@ def _calls(script: ParsedScript) -> dict[str, list[ast.Call]]:
     return calls
 
 
+def makes_node(script: ParsedScript, one: NameSet) -> bool:
+    """Whether an assignment makes a node."""
+    maker = callee(one.value)
+    return maker in {each.name for each in classes_of(script)} or maker.endswith(("create_node", "Node"))
+
+
 def is_call(node: ast.AST, names: tuple[str, ...]) -> bool:
     """Whether a statement only calls something whose name ends in one of `names`."""
-    return (
-        isinstance(node, ast.Expr)
-        and isinstance(node.value, ast.Call)
-        and dotted(node.value.func).endswith(names)
-    )
+    return isinstance(node, ast.Expr) and callee(node.value).endswith(names)
 
 
 def is_method(script: ParsedScript, node: ast.AST) -> bool:
     """Whether a node stands in a function that knows its object as ``self``."""
-    inside = next((one for one in script.around(node) if isinstance(one, _Functions)), None)
-    return inside is not None and bool(inside.args.args) and inside.args.args[0].arg == "self"
+    inside = function_around(script, node)
+    return inside is not None and [one.arg for one in inside.args.args[:1]] == ["self"]
 
 
-def function_around(script: ParsedScript, node: ast.AST) -> ast.FunctionDef | ast.AsyncFunctionDef | None:
+def function_around(script: ParsedScript, node: ast.AST) -> Functions | None:
     """Return the innermost function around a node; None on the top level."""
-    return next((one for one in script.around(node) if isinstance(one, _Functions)), None)
+    return next((one for one in script.around(node) if isinstance(one, Functions)), None)
+
+
+def statement_around(script: ParsedScript, node: ast.AST) -> ast.stmt | None:
+    """Return the innermost statement around a node, or the node itself if it is one."""
+    return next((one for one in (node, *script.around(node)) if isinstance(one, ast.stmt)), None)
+
+
+def imported(script: ParsedScript, module: str) -> list[Edit]:
+    """Return the import of a module, if the script has none."""
+    imports = [one for one in script.tree.body if isinstance(one, ast.Import)]
+    has = any(name.name == module and name.asname is None for one in imports for name in one.names)
+    return [] if has else [at_top(script, f"import {module}")]
 
 
 def at_top(script: ParsedScript, line: str) -> Edit:

@@ -5,16 +5,19 @@ from collections.abc import Iterator
 from typing import Final
 
 from grader.contracts.outcome import RunStatus
-from grader.edits.situation import Proposal, Situation
+from grader.edits.situation import Proposal, Situation, replacing
 from grader.edits.slices import (
     NameSet,
     assignments,
-    at_top,
+    callee,
     calls_of,
     dotted,
     function_around,
+    functions_of,
+    imported,
     is_call,
     is_method,
+    makes_node,
     named_in,
 )
 from grader.edits.tree import Edit, ParsedScript
@@ -49,9 +52,7 @@ def node_name(script: ParsedScript) -> str:
 
 def _nodes(script: ParsedScript) -> list[str]:
     """Return the names of the script's nodes, in the order in which they are made."""
-    classes = {node.name for node in ast.walk(script.tree) if isinstance(node, ast.ClassDef)}
-    made = ((one.target, dotted(getattr(one.value, "func", None))) for one in assignments(script))
-    return [name for name, called in made if called in classes or called.endswith(("create_node", "Node"))]
+    return [one.target for one in assignments(script) if makes_node(script, one)]
 
 
 def _ran(seen: Situation, call: ast.Call) -> bool:
@@ -100,16 +101,14 @@ def _early(seen: Situation) -> Iterator[Proposal]:
 
 def _behind(script: ParsedScript, statement: ast.stmt) -> list[ast.stmt]:
     """Return the statements behind one in its block, without those that end the program."""
-    block = script.block_of(statement)
-    place = next((i for i, one in enumerate(block) if one is statement), 0)
-    return [one for one in block[place + 1 :] if not is_call(one, ENDS)]
+    return [one for one in script.behind(statement) if not is_call(one, ENDS)]
 
 
 def _executors(seen: Situation, known: tuple[NameSet, ...]) -> Iterator[Proposal]:
     """Yield a node for an executor that has none."""
     given = {dotted(call.func).rpartition(".")[0] for call in calls_of(seen.script, "add_node")}
     for one in known:
-        called = dotted(getattr(one.value, "func", None))
+        called = callee(one.value)
         if called.endswith("Executor") and one.target not in given:
             new = f"{one.target}.add_node({node_name(seen.script)})"
             values = {"line": one.statement.lineno, "name": one.target, "new": new}
@@ -123,8 +122,7 @@ def _other_nodes(seen: Situation, known: tuple[NameSet, ...]) -> Iterator[Propos
         old = dotted(call.args[0]) if call.args else ""
         for new in nodes if old in nodes else ():
             if new != old:
-                values = {"line": call.lineno, "old": old, "new": new}
-                yield Proposal("name", 1.0, (seen.script.replaced(call.args[0], new),), values)
+                yield replacing(seen.script, "name", 1.0, call.args[0], new)
 
 
 def _without_timeout(seen: Situation) -> Iterator[Proposal]:
@@ -145,9 +143,7 @@ def _rates(seen: Situation, known: tuple[NameSet, ...]) -> Iterator[Proposal]:
     rates = {
         one.target: one.value.args[0]
         for one in known
-        if isinstance(one.value, ast.Call)
-        and dotted(one.value.func).endswith("create_rate")
-        and one.value.args
+        if isinstance(one.value, ast.Call) and callee(one.value).endswith("create_rate") and one.value.args
     }
     calls = [
         (call, rates[name])
@@ -159,23 +155,14 @@ def _rates(seen: Situation, known: tuple[NameSet, ...]) -> Iterator[Proposal]:
         news = [(call, f"time.sleep(1 / {seen.script.source(hertz)})") for call, hertz in calls]
         edits = [seen.script.replaced(call, new) for call, new in news]
         values = {"line": first.lineno, "old": seen.script.source(first), "new": news[0][1]}
-        yield Proposal("stalls", 0.8, (*edits, *_imported(seen.script, "time")), values)
-
-
-def _imported(script: ParsedScript, module: str) -> list[Edit]:
-    """Return the import of a module, if the script has none."""
-    imports = [one for one in script.tree.body if isinstance(one, ast.Import)]
-    has = any(name.name == module and name.asname is None for one in imports for name in one.names)
-    return [] if has else [at_top(script, f"import {module}")]
+        yield Proposal("stalls", 0.8, (*edits, *imported(seen.script, "time")), values)
 
 
 def _deaf(seen: Situation) -> Iterator[Proposal]:
     """Yield a look for messages in the loops that wait or drive, where nothing spins."""
-    if not seen.outcome.hears or any(
-        _ran(seen, call) for name in SPINS for call in calls_of(seen.script, name)
-    ):
+    if not seen.outcome.hears or any(_ran(seen, call) for call in calls_of(seen.script, *SPINS)):
         return
-    callbacks = named_in(call for name in _CALLBACKS for call in calls_of(seen.script, name))
+    callbacks = named_in(calls_of(seen.script, *_CALLBACKS))
     name = node_name(seen.script)
     edits: list[Edit] = []
     first = 0
@@ -198,10 +185,10 @@ def _deaf(seen: Situation) -> Iterator[Proposal]:
 def _at_the_end(seen: Situation, known: tuple[NameSet, ...]) -> Iterator[Proposal]:
     """Yield a spin at the end of a script that ended while its node had something to wait for."""
     name = node_name(seen.script)
-    listens = any(True for one in _CALLBACKS for _ in calls_of(seen.script, one))
+    listens = bool(calls_of(seen.script, *_CALLBACKS))
     made = [one.statement for one in known if one.target == name]
     if (
-        any(True for _ in calls_of(seen.script, "spin"))
+        calls_of(seen.script, "spin")
         or seen.outcome.status is not RunStatus.FINISHED
         or not made
         or not (listens or "alive" in seen.lost)
@@ -256,7 +243,7 @@ def _awaited(seen: Situation) -> Iterator[Proposal]:
         old = seen.script.source(node)
         inside = isinstance(function_around(seen.script, node), ast.AsyncFunctionDef)
         new = f"await {old}" if inside else f"asyncio.run({old})"
-        edits += [seen.script.replaced(node, new), *([] if inside else _imported(seen.script, "asyncio"))]
+        edits += [seen.script.replaced(node, new), *([] if inside else imported(seen.script, "asyncio"))]
         values = values or {"line": node.lineno, "old": old, "new": new}
     if edits:
         yield Proposal("await", 0.4, tuple(dict.fromkeys(edits)), values)
@@ -265,13 +252,13 @@ def _awaited(seen: Situation) -> Iterator[Proposal]:
 def _cancelled(seen: Situation, known: tuple[NameSet, ...]) -> Iterator[Proposal]:
     """Yield the cancelling of a timer, where callbacks make ever more of them."""
     for one in known:
-        if not (isinstance(one.value, ast.Call) and dotted(one.value.func).endswith("create_timer")):
+        arguments = one.value.args if isinstance(one.value, ast.Call) else []
+        if len(arguments) < 2 or not callee(one.value).endswith("create_timer"):
             continue
         function = function_around(seen.script, one.statement)
-        if len(one.value.args) < 2 or (function is not None and function.name == "__init__"):
+        if function is not None and function.name == "__init__":
             continue
-        callback = dotted(one.value.args[1]).rpartition(".")[2]
-        for node in ast.walk(seen.script.tree):
-            if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef) and node.name == callback:
+        for node in functions_of(seen.script):
+            if node.name == dotted(arguments[1]).rpartition(".")[2]:
                 edit = seen.script.inserted_before(node.body[0], f"{one.target}.cancel()")
                 yield Proposal("cancel", 2.0, (edit,), {"line": one.statement.lineno, "name": one.target})

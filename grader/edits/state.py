@@ -7,19 +7,23 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Final, NamedTuple
 
-from grader.edits.situation import Proposal, Situation
+from grader.edits.situation import Proposal, Situation, replacing
 from grader.edits.slices import (
+    Functions,
     NameSet,
     assignments,
     calls_of,
+    classes_of,
     dotted,
+    function_around,
+    functions_of,
     known_number,
+    mentions,
     named_in,
     number_of,
 )
 from grader.edits.tree import Edit, ParsedScript
 
-_Functions: Final = (ast.FunctionDef, ast.AsyncFunctionDef)
 _Tests: Final = (ast.While, ast.If)
 _CLOCKS: Final = ("time.time", "monotonic", "perf_counter", ".now", "nanoseconds")
 _MOST_CLOCKS: Final = 12
@@ -50,8 +54,8 @@ def state_changes(seen: Situation) -> Iterator[Proposal]:
 def _kept_first(seen: Situation, known: tuple[NameSet, ...]) -> Iterator[Proposal]:
     """Yield a callback that keeps each message, for one whose `if` lets it keep only the first."""
     heard = named_in(calls_of(seen.script, "create_subscription"))
-    for function in ast.walk(seen.script.tree):
-        if not isinstance(function, _Functions) or function.name not in heard:
+    for function in functions_of(seen.script):
+        if function.name not in heard:
             continue
         for test in function.body:
             if not isinstance(test, ast.If) or test.orelse:
@@ -84,9 +88,7 @@ def _clocks(
         function = seen.script.parent(one.statement)
         loops: list[ast.stmt] = []
         for test in tests:
-            if not _mentions(seen.script, test.test, one.target) and not _mentions_behind(
-                seen, known, test, one
-            ):
+            if not mentions(test.test, one.target) and not _mentions_behind(seen, known, test, one):
                 continue
             values = {"line": one.statement.lineno, "name": one.target, "loop": test.lineno}
             around = [*seen.script.around(test)]
@@ -136,7 +138,7 @@ def _changes(
             one.target != besides
             and isinstance(one.value, ast.Constant | ast.Name | ast.Attribute | ast.UnaryOp)
             and _in_test(one, tests)
-            and any(_mentions(script, test.test, one.target) for test in tests)
+            and any(mentions(test.test, one.target) for test in tests)
             and not any(each in beside for each in changes)
             and not _counts_down(script, one, tests)
         ):
@@ -147,9 +149,7 @@ def _changes(
 def _counts_down(script: ParsedScript, one: NameSet, tests: list[ast.While | ast.If]) -> bool:
     """Whether an assignment counts down what its own branch asks for: no motion begins there."""
     is_less = isinstance(one.statement, ast.AugAssign) and isinstance(one.statement.op, ast.Sub)
-    return is_less and any(
-        one.statement in test.body and _mentions(script, test.test, one.target) for test in tests
-    )
+    return is_less and any(one.statement in test.body and mentions(test.test, one.target) for test in tests)
 
 
 def _anew(
@@ -162,27 +162,15 @@ def _anew(
         yield replace(proposal, cost=cost, edits=parts, values={**proposal.values, "loop": statement.lineno})
 
 
-def _mentions(script: ParsedScript, part: ast.AST, name: str) -> bool:
-    return any(dotted(node) == name for node in ast.walk(part))
-
-
 def _mentions_behind(
     seen: Situation, known: tuple[NameSet, ...], test: ast.While | ast.If, clock: NameSet
 ) -> bool:
     """Whether a test asks for a name or a function that is computed from the clock's."""
     asked = {dotted(node).rpartition(".")[2] for node in ast.walk(test.test)} - {""}
-    functions = (node for node in ast.walk(seen.script.tree) if isinstance(node, _Functions))
-    if any(
-        _mentions(seen.script, node, clock.target)
-        for one in functions
-        if one.name in asked
-        for node in one.body
-    ):
+    functions = (node for node in functions_of(seen.script))
+    if any(mentions(node, clock.target) for one in functions if one.name in asked for node in one.body):
         return True
-    return any(
-        _mentions(seen.script, one.value, clock.target) and _mentions(seen.script, test.test, one.target)
-        for one in known
-    )
+    return any(mentions(one.value, clock.target) and mentions(test.test, one.target) for one in known)
 
 
 def _in_test(change: NameSet, tests: list[ast.While | ast.If]) -> bool:
@@ -229,7 +217,7 @@ def _resets(
             test
             for test in tests
             if isinstance(test, ast.While)
-            and _mentions(seen.script, test.test, one.target)
+            and mentions(test.test, one.target)
             and not _is_set_for(seen.script, known, one.target, test)
         ]
         yield from _anew(anew, loops, [seen.script.inserted_before(loop, line) for loop in loops], statements)
@@ -256,8 +244,9 @@ def _states(
             if not isinstance(asked, str) or asked in texts or not isinstance(node, ast.Constant):
                 continue
             for place, text in enumerate(_alike(asked, texts, 0.3)):
-                values = {"line": node.lineno, "old": asked, "new": text}
-                yield Proposal("state", 1.0 + place * 0.2, (seen.script.replaced(node, f"'{text}'"),), values)
+                yield replacing(
+                    seen.script, "state", 1.0 + place * 0.2, node, f"'{text}'", old=asked, new=text
+                )
     branches = list(_branches(seen.script, tests))
     for name in dict.fromkeys(one.name for one in branches):
         own = [one for one in branches if one.name == name]
@@ -297,8 +286,7 @@ def _of_state(script: ParsedScript, branches: list[_Branch], sets: list[NameSet]
         return
     for one, text in zip(sets, given, strict=True):
         for new in _alike(text, states, 0.7) if text not in states else ():
-            values = {"line": one.statement.lineno, "old": text, "new": new, "sentence": "state_set"}
-            yield Proposal("state", 1.0, (script.replaced(one.value, new),), values)
+            yield replacing(script, "state", 1.0, one.value, new, sentence="state_set")
     for branch in branches:
         inside = {id(node) for statement in branch.body for node in ast.walk(statement)}
         for one, text in zip(sets, given, strict=True):
@@ -324,9 +312,7 @@ def _scopes(seen: Situation, known: tuple[NameSet, ...]) -> Iterator[Proposal]:
     own = {one.target.removeprefix("self.") for one in known if one.target.startswith("self.")}
     top = {one.target for one in known if isinstance(seen.script.parent(one.statement), ast.Module)}
     for one in known:
-        function = next(
-            (each for each in seen.script.around(one.statement) if isinstance(each, _Functions)), None
-        )
+        function = function_around(seen.script, one.statement)
         if function is None or not isinstance(one.statement, ast.Assign | ast.AugAssign) or "." in one.target:
             continue
         values = {"line": one.statement.lineno, "old": one.target, "name": one.target}
@@ -348,8 +334,7 @@ def _units(seen: Situation, tests: list[ast.While | ast.If]) -> Iterator[Proposa
                 new = (
                     f"{value / 1000.0:g}" if value >= _MILLISECONDS else f"{1.0 / value:.2g}"
                 )  # or so often a second
-                values = {"line": call.lineno, "old": seen.script.source(call.args[0]), "new": new}
-                yield Proposal("seconds", 1.0, (seen.script.replaced(call.args[0], new),), values)
+                yield replacing(seen.script, "seconds", 1.0, call.args[0], new)
     for test in tests:
         for node in ast.walk(test.test):
             if isinstance(node, ast.Compare) and len(node.ops) == 1:
@@ -368,8 +353,7 @@ def _nanoseconds(script: ParsedScript, node: ast.Compare) -> Iterator[Proposal]:
         ):
             is_simple = isinstance(other, ast.Name | ast.Constant | ast.Attribute)
             new = f"{limit} * 1e9" if is_simple else f"({limit}) * 1e9"
-            values = {"line": node.lineno, "old": limit, "new": new}
-            yield Proposal("nanoseconds", 0.9, (script.replaced(other, new),), values)
+            yield replacing(script, "nanoseconds", 0.9, other, new)
 
 
 def _factors(seen: Situation) -> Iterator[Proposal]:
@@ -380,10 +364,9 @@ def _factors(seen: Situation) -> Iterator[Proposal]:
         for node in ast.walk(loop):
             if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Mult):
                 for one, other in ((node.left, node.right), (node.right, node.left)):
-                    if _mentions(seen.script, one, loop.target.id):
+                    if mentions(one, loop.target.id):
                         new = seen.script.source(other)
-                        values = {"line": node.lineno, "old": seen.script.source(node), "new": new}
-                        yield Proposal("factor", 2.0, (seen.script.replaced(node, new),), values)
+                        yield replacing(seen.script, "factor", 2.0, node, new)
 
 
 def _signs(seen: Situation) -> Iterator[Proposal]:
@@ -394,35 +377,30 @@ def _signs(seen: Situation) -> Iterator[Proposal]:
         value = number_of(node)
         if value is not None and value < 0.0 and isinstance(node, ast.UnaryOp):
             new = seen.script.source(node.operand)
-            values = {"line": node.lineno, "old": seen.script.source(node), "new": new}
-            yield Proposal("sign", 2.4, (seen.script.replaced(node, new),), values)
+            yield replacing(seen.script, "sign", 2.4, node, new)
         elif isinstance(node, ast.BinOp) and isinstance(node.op, ast.Div) and number_of(node.right) is None:
             old = seen.script.source(node.right)
-            values = {"line": node.lineno, "old": old, "new": f"abs({old})"}
-            yield Proposal("absolute", 2.6, (seen.script.replaced(node.right, f"abs({old})"),), values)
+            yield replacing(seen.script, "absolute", 2.6, node.right, f"abs({old})")
 
 
 def _classes(seen: Situation) -> Iterator[Proposal]:
     """Yield the class of the script's own that nobody makes, for another one that is made in its place."""
-    classes = [node for node in ast.walk(seen.script.tree) if isinstance(node, ast.ClassDef)]
-    unmade = [one.name for one in classes if not any(True for _ in calls_of(seen.script, one.name))]
+    classes = classes_of(seen.script)
+    unmade = [one.name for one in classes if not calls_of(seen.script, one.name)]
     for one in assignments(seen.script):
         if isinstance(one.value, ast.Call) and unmade:
             made = dotted(one.value.func)
             if made.endswith("Node") or made in {each.name for each in classes}:
                 new = f"{unmade[0]}()"
-                values = {"line": one.statement.lineno, "old": seen.script.source(one.value), "new": new}
-                yield Proposal("class", 1.0, (seen.script.replaced(one.value, new),), values)
+                yield replacing(seen.script, "class", 1.0, one.value, new)
 
 
 def _forgotten(seen: Situation, known: tuple[NameSet, ...]) -> Iterator[Proposal]:
     """Yield ``self.`` for a name that a callback sets to the same number each time before it counts it."""
-    heard = named_in(
-        call for name in ("create_timer", "create_subscription") for call in calls_of(seen.script, name)
-    )
+    heard = named_in(calls_of(seen.script, "create_timer", "create_subscription"))
     for one in known:
         function = seen.script.parent(one.statement)
-        if not isinstance(function, _Functions) or function.name not in heard or number_of(one.value) is None:
+        if not isinstance(function, Functions) or function.name not in heard or number_of(one.value) is None:
             continue
         counts = any(
             each.target == one.target and each.statement.lineno > one.statement.lineno

@@ -108,6 +108,11 @@ class ParsedScript:
                 return value
         return [statement]
 
+    def behind(self, statement: ast.stmt) -> list[ast.stmt]:
+        """Return the statements behind one in its block."""
+        block = self.block_of(statement)
+        return block[next(i for i, one in enumerate(block) if one is statement) + 1 :]
+
     def parent(self, node: ast.AST) -> ast.AST | None:
         """Return the node around `node`; None around the module."""
         if self._parents is None:

@@ -164,11 +164,7 @@ class Search:
             return Explanation()
         changes: list[ProvenChange] = []
         now, at = begin, text
-        steps = self._chain(text, begin, MOST_CHANGES)
-        codes = [candidate.proposal.code for candidate, _ in steps]
-        if codes.count("comparison") > 1:  # which make up for each other
-            steps = []
-        for candidate, after in steps:
+        for candidate, after in self._chain(text, begin, MOST_CHANGES):
             changes.append(_proven(candidate, at, now, after))
             now, at = after, candidate.text
         cause = None if changes else self._cause(text, begin)

@@ -14,9 +14,9 @@ KINDS: Final = {
     kind: frozenset(codes.split())
     for kind, codes in {
         "silent": """
-            alive always_true class_not_made deaf_callback deaf_loop empty_loop error_caught
+            alive always_true deaf_callback deaf_loop empty_loop error_caught
             frozen_loop held
-            idle_axis incompatible_qos info_logs init_without_node killed left_before listens_nowhere
+            incompatible_qos info_logs init_without_node killed listens_nowhere
             listens_other_quality never_called never_logged never_published never_spun never_true no_drive
             no_publisher no_turns nodes not_received not_spinning nothing_ran nothing_sent
             only_printed only_stops period printed

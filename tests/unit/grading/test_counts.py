@@ -10,13 +10,11 @@ from tests.e2e.grading_slot import LESSON, catalog
 SQUARE = (LESSON / "square_mover.py").read_text(encoding="utf-8")
 HEAD = "        for i in range(4):\n"
 SIDE = "            self.move_straight(self.MOVE_TIME)\n            self.turn(self.TURN_TIME)\n"
-ONCE = SIDE.replace("            ", "        ")
 COUNTED = "            i += 1\n"
 STEP = (
     "            if step == 'go':\n                self.move_straight(self.MOVE_TIME)\n"
     "            else:\n                self.turn(self.TURN_TIME)\n"
 )
-PLAN = STEP.replace("step == 'go'", "w == 0")
 INNER = """            while i < 5:
                 self.move_straight(self.MOVE_TIME / 5)
                 i += 1
@@ -97,33 +95,7 @@ def loop(head: str, body: str = SIDE) -> str:
             "i = 3",
             "i = 4",
         ),
-        (
-            loop("        i = 4\n        while i > 0:\n", SIDE + "            i =- 1\n"),
-            "grow",
-            "i =- 1",
-            "i -= 1",
-        ),
-        (
-            loop(
-                "        sides = [0, 1, 2, 3]\n        for i in sides:\n",
-                SIDE + "            sides.remove(i)\n",
-            ),
-            "copied",
-            "in sides",
-            "in list(sides)",
-        ),
         (loop("        for step in ['go', 'turn'] * 3:\n", STEP), "count", "* 3", "* 4"),
-        (
-            loop(
-                "        plan = [(2, 0), (0, 1), (2, 0), (0, 1), (2, 0), (0, 1)]\n        for v, w in plan:\n",
-                PLAN,
-            ),
-            "round_added",
-            "(2, 0), (0, 1)]",
-            "(2, 0), (0, 1), (2, 0), (0, 1)]",
-        ),
-        (loop("", ONCE * 3), "round_added", "", "self.move_straight"),
-        (loop("", ONCE * 2), "repeated", "self.move_straight", "for _ in range(2):"),
         (
             loop("        i = 0\n        while i < 4:\n            i = 0\n", INNER),
             "renamed",
