@@ -22,7 +22,7 @@ from grader.edits.slices import (
 from grader.edits.spins import ENDS, node_name
 from grader.edits.tree import Edit, ParsedScript
 
-AXES: Final = {
+_AXES: Final = {
     "linear.y": "linear.x",
     "linear.z": "linear.x",
     "angular.x": "angular.z",
@@ -111,7 +111,7 @@ def _axes(seen: Situation, known: tuple[NameSet, ...]) -> Iterator[Proposal]:
     """Yield the axis that a turtle has, for one that it has not."""
     edits, line = [], 0
     for one in known:
-        for wrong, right in AXES.items():
+        for wrong, right in _AXES.items():
             if one.target.endswith(f".{wrong}") and number_of(one.value) != 0.0:
                 target = _target_of(one.statement)
                 if target is not None:
@@ -164,9 +164,8 @@ def _empty_messages(seen: Situation, known: tuple[NameSet, ...]) -> Iterator[Pro
         if is_new or (dotted(given) and all(dotted(given) != name for name, _ in filled)):
             is_looped = not seen.driven and any(isinstance(one, _Loops) for one in seen.script.around(call))
             for name in unsent or (sorted({one for one, _ in filled}) if is_looped else ()):
-                values = {"line": call.lineno, "old": seen.script.source(given), "new": name}
                 cost = 0.8 if is_new else 1.5  # a new message is empty: it cannot be what was meant
-                yield Proposal("message", cost, (seen.script.replaced(given, name),), values)
+                yield replacing(seen.script, "message", cost, given, name)
     yield from _filled_nowhere(seen, fresh)
 
 

@@ -10,7 +10,7 @@ import re
 from collections.abc import Callable, Iterator
 from typing import Final, NamedTuple
 
-from grader.edits.situation import Driven, Proposal, Situation
+from grader.edits.situation import Driven, Proposal, Situation, replacing
 from grader.edits.slices import (
     Functions,
     NameSet,
@@ -77,10 +77,9 @@ def formula_changes(
             for size, wanted in targets:
                 if not any(abs(one * size / wanted - 1.0) <= off for one in (new.ratio, 1.0 / new.ratio)):
                     continue
-                told = {"line": node.lineno, "old": seen.script.source(node), "new": new.text}
-                told |= {"unit": "deg" if driven.is_turn else "m", "size": size, "wanted": wanted}
-                edit = seen.script.replaced(node, new.text)
-                one = Proposal("scaled", new.cost + steps * _STEP, (edit,), told)
+                sizes = {"unit": "deg" if driven.is_turn else "m", "size": size, "wanted": wanted}
+                cost = new.cost + steps * _STEP
+                one = replacing(seen.script, "scaled", cost, node, new.text, **sizes)
                 alike.setdefault(new.kind, []).append(one)
                 yield one
     for kind, row in alike.items():

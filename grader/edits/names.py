@@ -324,16 +324,9 @@ def _qualities(seen: Situation) -> Iterator[Proposal]:
             if quality is None or not is_meant:
                 continue
             new = "10" if note.code == "incompatible_qos" else "qos_profile_sensor_data"
-            edits = [seen.script.replaced(quality, new)]
-            if new != "10" and new not in _all_names(seen.script):
-                edits.append(at_top(seen.script, f"from rclpy.qos import {new}"))
-            values = {
-                "line": quality.lineno,
-                "old": seen.script.source(quality),
-                "new": new,
-                "topic": note.text,
-            }
-            yield Proposal("quality", 0.5, tuple(edits), values)
+            is_imported = new == "10" or new in _all_names(seen.script)
+            others = () if is_imported else (at_top(seen.script, f"from rclpy.qos import {new}"),)
+            yield replacing(seen.script, "quality", 0.5, quality, new, *others, topic=note.text)
 
 
 def _packages(seen: Situation) -> Iterator[Proposal]:

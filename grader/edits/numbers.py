@@ -247,10 +247,9 @@ def _angles(
                 continue
             new = _angle_in(wanted, next(dotted(one) for one in ast.walk(node) if is_pi(one)))
             behind = isinstance(above, ast.BinOp) and above.right is node
-            edit = script.replaced(node, f"({new})" if behind else new)
-            values = {"line": node.lineno, "old": script.source(node), "new": new}
-            values |= {"unit": "deg", "size": size, "wanted": wanted}
-            yield Proposal("scaled", 1.6 + place * 0.6 + steps * 0.1, (edit,), values)
+            text, cost = f"({new})" if behind else new, 1.6 + place * 0.6 + steps * 0.1
+            values = {"new": new, "unit": "deg", "size": size, "wanted": wanted}
+            yield replacing(script, "scaled", cost, node, text, **values)
 
 
 def _with_pi(node: ast.AST | None) -> float | None:
@@ -434,9 +433,8 @@ def _conversions(script: ParsedScript, node: ast.Call, cost: float) -> Iterator[
     if called == "int" and isinstance(above, ast.BinOp) and isinstance(above.op, ast.Mult):
         other = script.source(above.right if above.left is node else above.left)
         yield replacing(script, "cut", 1.0, above, f"int({new} * {other})")
-    values = {"line": node.lineno, "old": script.source(node), "new": new}
-    values |= {"sentence": "cut"} if called == "int" else {}
-    yield Proposal("converted", 1.8 + cost, (script.replaced(node, new),), values)
+    values = {"sentence": "cut"} if called == "int" else {}
+    yield replacing(script, "converted", 1.8 + cost, node, new, **values)
     for name, other in (("degrees", "radians"), ("radians", "degrees")):
         if called.endswith(name):
             right = called.replace(name, other)
@@ -494,9 +492,8 @@ def _opposed(seen: Situation) -> Iterator[Proposal]:
             continue  # to back away from the goal is not meant
         new = f"-{old}" if _is_product(one.value) else f"-({old})"
         new = old[1:] if old.startswith("-") and _is_product(one.value) else new
-        values = {"line": one.statement.lineno, "old": old, "new": new}
         cost = 1.4 if only_turned and not backward and one.target.endswith(".angular.z") else 2.1
-        yield Proposal("sign", cost, (script.replaced(one.value, new),), values)
+        yield replacing(script, "sign", cost, one.value, new)
 
 
 def _goes_into(script: ParsedScript, node: ast.expr, names: set[str]) -> bool:
