@@ -141,7 +141,10 @@ def explained(assignment: Assignment, marks: Marks) -> Scoring:
         seen[0] = replace(seen[0], mistakes=(ignored, *seen[0].mistakes))
     whole = summarise(_in_order(assignment, scored, together), seen, [run.outcome for run in runs])
     own = {item.hint for item in assignment.items if item.hint != EMPTY}
-    first = next((item.hint for item in whole.items if item.hint in own), None)
+    first = next(
+        (item.hint for item in whole.items if item.hint in own and item.status is not ItemStatus.NOT_CHECKED),
+        None,
+    )
     if first is not None:
         return replace(whole, hint=first)  # the teacher's own words go first
     if whole.mistakes:

@@ -9,6 +9,7 @@ from grader.edits.situation import Driven, Proposal, Situation, replacing
 from grader.edits.slices import assignments, number_of
 
 _MOST_MOTIONS: Final = 8
+_TO_AND_FRO: Final = 2  # once there and back may be meant as a brake, or as the way home
 
 
 def alternating(seen: Situation) -> Iterator[tuple[str, list[Driven]]]:
@@ -19,7 +20,7 @@ def alternating(seen: Situation) -> Iterator[tuple[str, list[Driven]]]:
         motions = [one for one in seen.driven if getattr(one, is_one) and not seen.is_part(one)]
         rates = [getattr(one.motion, rate) for one in motions[:_MOST_MOTIONS]]
         is_even = len({round(abs(one), 3) for one in rates}) == 1
-        if len(rates) > 1 and is_even and all(a * b < 0.0 for a, b in itertools.pairwise(rates)):
+        if len(rates) > _TO_AND_FRO and is_even and all(a * b < 0.0 for a, b in itertools.pairwise(rates)):
             yield rate, motions
 
 

@@ -322,10 +322,16 @@ def _unlikely(script: ParsedScript, use: NumberUse, ratio: float) -> float:
 def _turned_round(seen: Situation, driven: Driven, use: NumberUse) -> Iterator[Proposal]:
     """Yield the other sign for a number that a speed is set to.
 
-    A drive goes backward only where that is asked, and not where the script goes there and back.
+    A drive goes backward only where that is asked, and not where the script goes there and back. Of turns to both
+    sides, those of the rarer one are wrong; where neither is, the script turns to each by turns.
     """
-    goes_both_ways = any(one.motion.v * driven.motion.v < 0.0 for one in seen.driven)
-    is_kept = driven.is_drive and (goes_both_ways or (use.value > 0.0 and "advance_m" not in seen.lost))
+    against = sum(
+        one.motion.v * driven.motion.v < 0.0 or one.motion.w * driven.motion.w < 0.0 for one in seen.driven
+    )
+    if driven.is_drive:
+        is_kept = against > 0 or (use.value > 0.0 and "advance_m" not in seen.lost)
+    else:
+        is_kept = 0 < against <= sum(one.motion.w * driven.motion.w > 0.0 for one in seen.driven)
     if isinstance(seen.script.parent(use.node), ast.IfExp):
         return  # a speed by the sign of something else
     is_angle = driven.is_turn and _unit_of(-use.value, abs(driven.angle_deg), "deg", _QUANTUM) is not None
@@ -526,6 +532,7 @@ def _crossed(seen: Situation) -> Iterator[Proposal]:
                 for call in calls_of(seen.script, function.name)
                 if len(call.args) > place + 1
             ]
+            calls = [given for given in calls if tuple(map(dotted, given)) != pair]
             here = [given for given in calls if given[0].lineno in led_here]
             if not _divides(function, pair):  # a rate and its time: exchanged, they come to the same
                 here = [given for given in here if 0.0 in map(number_of, given)]

@@ -373,9 +373,10 @@ def _signs(seen: Situation) -> Iterator[Proposal]:
     """Yield the positive value of a number that makes a time or a count negative."""
     if any(one.is_turn for one in seen.driven) and any(one.is_drive for one in seen.driven):
         return
+    rates = {rate for one in seen.driven for rate in (one.motion.v, one.motion.w)}
     for node in ast.walk(seen.script.tree):
         value = number_of(node)
-        if value is not None and value < 0.0 and isinstance(node, ast.UnaryOp):
+        if value is not None and value < 0.0 and isinstance(node, ast.UnaryOp) and value not in rates:
             new = seen.script.source(node.operand)
             yield replacing(seen.script, "sign", 2.4, node, new)
         elif isinstance(node, ast.BinOp) and isinstance(node.op, ast.Div) and number_of(node.right) is None:

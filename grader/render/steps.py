@@ -77,12 +77,13 @@ def _line(change: ProvenChange) -> Text:
 
 
 def own_hints(assignment: Assignment, report: GradeReport) -> dict[str, Text]:
-    """Return what the teacher says of the items that lost points, by the items' ids in the report."""
+    """Return what the teacher says of the items that were measured and lost points, by their ids in the report."""
     own = {item.id: item.hint for item in assignment.items if item.hint != EMPTY}
     return {
         item.id: hint
         for item in report.items
-        if item.status not in _NOTHING_LOST and (hint := own.get(item.id.rpartition("/")[2])) is not None
+        if item.status not in (*_NOTHING_LOST, ItemStatus.NOT_CHECKED)
+        and (hint := own.get(item.id.rpartition("/")[2])) is not None
     }
 
 

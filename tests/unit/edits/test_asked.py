@@ -115,5 +115,6 @@ def test_turns_that_go_left_and_right_by_turns_are_told_and_mended(last: str, pa
     cause = stated_cause(seen)
     assert cause is not None
     assert (cause.code, cause.line) == ("alternates", 6)
-    straight = _seen(text, Stated(), (_turn(1.0, 5, 1), _turn(1.0, 6, 3)))
-    assert not list(direction_changes(straight))
+    for second in (1.0, -1.0):  # one way, and once to and fro
+        few = _seen(text, Stated(), (_turn(1.0, 5, 1), _turn(second, 6, 3)))
+        assert not list(direction_changes(few))

@@ -96,6 +96,8 @@ def test_the_teachers_own_words_go_first(report: GradeReport, level: Hints) -> N
     task = replace(task, items=(task.items[0], replace(task.items[1], hint=OWN)))
     own = own_hints(task, report)
     assert own == {"closed": OWN}
+    blocked = tuple(replace(item, status=ItemStatus.NOT_CHECKED) for item in report.items)
+    assert not own_hints(task, replace(report, items=blocked))
     shown = told(report, FOUND, level, own)
     assert shown.hint.en.startswith("think of the outer angle\n")
     assert [item.hint for item in shown.items if item.id == "closed"] == [OWN]
