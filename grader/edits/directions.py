@@ -9,7 +9,6 @@ from grader.edits.situation import Driven, Proposal, Situation, replacing
 from grader.edits.slices import assignments, number_of
 
 _MOST_MOTIONS: Final = 8
-_TO_AND_FRO: Final = 2  # once there and back may be meant as a brake, or as the way home
 
 
 def alternating(seen: Situation) -> Iterator[tuple[str, list[Driven]]]:
@@ -20,13 +19,15 @@ def alternating(seen: Situation) -> Iterator[tuple[str, list[Driven]]]:
         motions = [one for one in seen.driven if getattr(one, is_one) and not seen.is_part(one)]
         rates = [getattr(one.motion, rate) for one in motions[:_MOST_MOTIONS]]
         is_even = len({round(abs(one), 3) for one in rates}) == 1
-        if len(rates) > _TO_AND_FRO and is_even and all(a * b < 0.0 for a, b in itertools.pairwise(rates)):
+        if len(rates) > 1 and is_even and all(a * b < 0.0 for a, b in itertools.pairwise(rates)):
             yield rate, motions
 
 
 def direction_changes(seen: Situation) -> Iterator[Proposal]:
     """Yield a rate that keeps its sign."""
-    for rate, (_, other, *_) in alternating(seen):
+    for rate, (_, other, *more) in alternating(seen):
+        if not more:  # once there and back may be meant as a brake, or as the way home
+            continue
         value = getattr(other.motion, rate)
         yield from _numbers(seen, value, {row[0] for row in other.motion.stack})
         yield from _flips(seen)
