@@ -15,12 +15,13 @@ from grader.edits.directions import alternating
 from grader.edits.fitting import too_large
 from grader.edits.poses import begins_again, one_coordinate, set_anew, unfolded, unheard
 from grader.edits.received import Motion
-from grader.edits.situation import HOLD_NS, Cause, Driven, Situation
+from grader.edits.situation import HOLD_NS, OFF_SHARE, Cause, Driven, Situation
 from grader.edits.slices import (
     Functions,
     assignments,
     callee,
     calls_of,
+    classes_of,
     dotted,
     function_around,
     functions_of,
@@ -29,11 +30,11 @@ from grader.edits.slices import (
     number_of,
     statement_around,
 )
+from grader.edits.spins import SPINS
 from grader.edits.tree import ParsedScript
 
 _MAKERS: Final = ("create_timer", "create_subscription", "create_service", "create_client", "Thread", "Timer")
 _WORK: Final = ("publish", "create_publisher", "create_timer", "create_subscription", "info", "spin")
-_SPINS: Final = ("spin", "spin_once", "spin_until_future_complete", "add_node")
 _MOST_TEXT: Final = 60
 _CLOCKS: Final = ("time", "now", "nanoseconds")
 _CLOCK_S: Final = 1e6  # more is a time since 1970, which says nothing to a reader
@@ -55,7 +56,6 @@ _MOST_CALLERS: Final = 8  # functions may call each other in a circle
 _FEW: Final = 3  # where more is lost, the missing stop is not why
 _OUTLINES: Final = frozenset({"off_pct", "covered_pct", "radius_error_pct"})
 _LEAST_ARC_DEG: Final = 5.0  # less is a correction of the heading while it drives
-_OFF: Final = 0.03  # of the wanted size: what updates of turtlesim and the period of a loop add or take away
 
 
 def stated_cause(seen: Situation) -> Cause | None:
@@ -63,8 +63,19 @@ def stated_cause(seen: Situation) -> Cause | None:
     if seen.outcome.status in (RunStatus.CRASHED, RunStatus.SYNTAX_ERROR):
         return next(_overridden(seen), None)  # all else the exception says
     of_drives = (
-        *(_open_loop, _too_large, _alternates, _held, _in_line, _wrong_arc, _no_arc, _wrong_size),
-        *(_too_slow, _unasked, _both_at_once, _overwritten, _no_stop),
+        _open_loop,
+        _too_large,
+        _alternates,
+        _held,
+        _in_line,
+        _wrong_arc,
+        _no_arc,
+        _wrong_size,
+        _too_slow,
+        _unasked,
+        _both_at_once,
+        _overwritten,
+        _no_stop,
     )
     of_flow = (
         _timers_in_callbacks,
@@ -90,8 +101,9 @@ def _overridden(seen: Situation) -> Iterator[Cause]:
     if error is None or error.line is None:
         return
     shown = seen.script.line(error.line)
-    classes = (one for one in ast.walk(seen.script.tree) if isinstance(one, ast.ClassDef))
-    nodes = (one for one in classes if any(dotted(base).endswith("Node") for base in one.bases))
+    nodes = (
+        one for one in classes_of(seen.script) if any(dotted(base).endswith("Node") for base in one.bases)
+    )
     for one in itertools.chain.from_iterable(node.body for node in nodes):
         if isinstance(one, Functions) and one.name in _OF_NODE:
             in_rclpy = _UNCALLED.search(error.message) is not None and f".{one.name}" not in shown
@@ -310,7 +322,7 @@ def _may_be(target: str, name: str) -> bool:
 def _spins_in(script: ParsedScript, loop: ast.AST, most_calls: int = 3) -> bool:
     """Whether a loop, or a function that it calls, lets callbacks run."""
     called = {dotted(one.func).rpartition(".")[2] for one in ast.walk(loop) if isinstance(one, ast.Call)}
-    if called & {*_SPINS, "spin_some"}:
+    if called & {*SPINS, "add_node", "spin_some"}:
         return True
     functions = [one for one in functions_of(script) if one.name in called]
     return most_calls > 0 and any(_spins_in(script, one, most_calls - 1) for one in functions)
@@ -416,8 +428,8 @@ def _alternates(seen: Situation) -> Iterator[Cause]:
 def _too_large(seen: Situation) -> Iterator[Cause]:
     """Yield the drive with which a figure of right turns leaves the field."""
     if (large := too_large(seen)) is not None:
-        values = {"side": f"{abs(large.drive.length_m):.2g}", "most": f"{int(large.fits_m * 10.0) / 10.0:g}"}
-        yield Cause("too_large", large.drive.motion.line, {**values})
+        values: dict[str, object] = {"side": f"{abs(large.drive.length_m):.2g}", "most": large.most}
+        yield Cause("too_large", large.drive.motion.line, values)
 
 
 def _open_loop(seen: Situation) -> Iterator[Cause]:
@@ -457,7 +469,7 @@ def _too_slow(seen: Situation) -> Iterator[Cause]:
         return
     whole = drives[:-1] if seen.driven[-1] is drives[-1] else drives
     lengths = [abs(one.length_m) for one in whole]
-    if max(lengths) - min(lengths) > _OFF * max(lengths):
+    if max(lengths) - min(lengths) > OFF_SHARE * max(lengths):
         return
     needed_s = whole[-1].motion.t / 1e9 * count / (len(whole) - 1) if len(whole) > 1 else 0.0
     limit_s = seen.outcome.duration_ns / 1e9
@@ -513,10 +525,10 @@ def _wrong_arc(seen: Situation) -> Iterator[Cause]:
         size_m, size_deg = abs(motion.v / motion.w), abs(driven.angle_deg)
         angle_deg = abs(to_left_deg)
         values = {"rate": f"{motion.w:g}", "seconds": driven.seconds}
-        if radius_m and abs(size_m - radius_m) > _OFF * radius_m:
+        if radius_m and abs(size_m - radius_m) > OFF_SHARE * radius_m:
             size = {"size": size_m, "wanted": radius_m, "unit": "m", "speed": f"{motion.v:g}"}
             yield Cause("radius", motion.line, {**values, **size})
-        elif abs(size_deg - angle_deg) > _OFF * angle_deg:
+        elif abs(size_deg - angle_deg) > OFF_SHARE * angle_deg:
             size = {"size": size_deg, "wanted": angle_deg, "unit": "deg"}
             yield Cause("turned_plain", motion.line, {**values, **size})
 
@@ -574,7 +586,7 @@ def _wrong_size(seen: Situation) -> Iterator[Cause]:
             wanted is None
             or (no_drives and driven.is_turn)  # then the turns at the corners are one
             or seen.is_part(driven)
-            or abs(size - wanted) <= _OFF * wanted
+            or abs(size - wanted) <= OFF_SHARE * wanted
             or (unit == "m" and not seen.lost & _LENGTHS)
         ):
             continue

@@ -4,12 +4,11 @@ import math
 from collections.abc import Iterator
 from typing import Final, NamedTuple
 
-from grader.edits.situation import Driven, Proposal, Situation
+from grader.contracts.assignment import WINDOW_M
+from grader.edits.situation import OFF_SHARE, Driven, Proposal, Situation, replacing
 from grader.edits.slices import numbers_behind
 
-_FIELD_M: Final = 11.088889
-_START_M: Final = _FIELD_M / 2.0
-_OFF: Final = 0.03
+_START_M: Final = WINDOW_M / 2.0
 _STEP: Final = 0.5
 
 
@@ -19,13 +18,18 @@ class TooLarge(NamedTuple):
     drive: Driven
     fits_m: float
 
+    @property
+    def most(self) -> str:
+        """The length that would fit in m, as it is told."""
+        return f"{math.floor(self.fits_m * 10.0) / 10.0:g}"
+
 
 def too_large(seen: Situation) -> TooLarge | None:
     """Return by what a figure of right turns is too large for the field; None where it is not."""
     turns = [one for one in seen.driven if one.is_turn]
     drives = [one for one in seen.driven if one.is_drive and not seen.is_part(one)]
     wanted = seen.wanted.turns_deg
-    right = all(any(abs(abs(one.angle_deg) - each) <= _OFF * each for each in wanted) for one in turns)
+    right = all(any(abs(abs(one.angle_deg) - each) <= OFF_SHARE * each for each in wanted) for one in turns)
     if not turns or not drives or not right or seen.wanted.lengths_m or seen.outcome.hears:
         return None
     share = min((_START_M / reach_m for reach_m in _reaches(seen)), default=1.0)
@@ -51,10 +55,8 @@ def fitting_changes(seen: Situation) -> Iterator[Proposal]:
         return
     longest_m = abs(large.drive.length_m)
     for use in numbers_behind(seen.script, large.drive.motion.lines):
-        is_size = any(abs(use.value - one) <= _OFF * one for one in (longest_m, large.drive.seconds))
+        is_size = any(abs(use.value - one) <= OFF_SHARE * one for one in (longest_m, large.drive.seconds))
         new = math.floor(use.value * large.fits_m / longest_m / _STEP) * _STEP
         if is_size and new > 0.0:
-            values = {"line": use.node.lineno, "old": seen.script.source(use.node), "new": f"{new:.1f}"}
-            values["most"] = f"{math.floor(large.fits_m * 10.0) / 10.0:g}"
             cost = 1.0 + 0.1 * use.steps
-            yield Proposal("fits", cost, (seen.script.replaced(use.node, f"{new:.1f}"),), values)
+            yield replacing(seen.script, "fits", cost, use.node, f"{new:.1f}", most=large.most)

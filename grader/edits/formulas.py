@@ -10,7 +10,7 @@ import re
 from collections.abc import Callable, Iterator
 from typing import Final, NamedTuple
 
-from grader.edits.situation import Driven, Proposal, Situation, replacing
+from grader.edits.situation import OFF_SHARE, Driven, Proposal, Situation, replacing
 from grader.edits.slices import (
     Functions,
     NameSet,
@@ -43,7 +43,6 @@ _ROLES: Final = {
 """What a name of a time or a rate is made of."""
 _MOST_DEPTH: Final = 30
 _MOST_NAMES: Final = 12
-_OFF: Final = 0.03  # what updates of turtlesim and a loop's period add or take away
 _MOST_OFF: Final = 0.15
 _SAME: Final = 1e-9
 _STEP: Final = 0.1  # of cost, for each assignment between a formula and the motion
@@ -109,7 +108,7 @@ def stale_changes(seen: Situation) -> Iterator[Proposal]:
 def tolerance(driven: Driven) -> float:
     """Return by which share a motion may differ from its formula: one wait more or less."""
     step_ns = max((ns // times for times, ns in driven.motion.waits.values() if times), default=0)
-    return min(_OFF + step_ns / 1e9 / max(driven.seconds, 1e-9), _MOST_OFF)
+    return min(OFF_SHARE + step_ns / 1e9 / max(driven.seconds, 1e-9), _MOST_OFF)
 
 
 def _calculations(values: "Values", node: ast.expr) -> Iterator[_Rewritten]:
@@ -172,7 +171,7 @@ def _as_time(values: "Values", node: ast.expr, targets: list[tuple[float, float]
         return
     amounts = [math.radians(wanted) if driven.is_turn else wanted for _, wanted in targets]
     lasted = abs(driven.seconds - now) <= tolerance(driven) * now
-    if lasted and any(abs(now - one) <= _OFF * one for one in amounts):
+    if lasted and any(abs(now - one) <= OFF_SHARE * one for one in amounts):
         names = [name for name, value in values.names_at(node) if abs(abs(value) - rate) <= _SAME]
         origin = values.origin(node)
         if any(

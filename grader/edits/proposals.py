@@ -23,9 +23,18 @@ from grader.edits.tree import applied
 _MOST_PLACES = 6
 _EVERYWHERE = 0.05  # behind the change at the one place where it is most plausible
 _SOURCES = (
-    *(name_changes, error_changes, asked_changes, direction_changes, fitting_changes),
+    name_changes,
+    error_changes,
+    asked_changes,
+    direction_changes,
+    fitting_changes,
     heading_changes,
-    *(flow_changes, spin_changes, call_changes, state_changes, count_changes, number_changes),
+    flow_changes,
+    spin_changes,
+    call_changes,
+    state_changes,
+    count_changes,
+    number_changes,
 )
 _OF_SIZES = frozenset(("converted", "degrees", "exchanged", "left_over", "scaled", "sign", "stop"))
 """Kinds of change that cannot make up for rounds that are missing."""

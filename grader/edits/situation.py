@@ -16,7 +16,8 @@ from grader.edits.tree import Edit, ParsedScript
 HOLD_NS = 1_000_000_000
 """For so long turtlesim obeys the last command."""
 _SLOW = 1e-6
-_FITS = 0.03  # of a size: what turtlesim's updates and a loop's period add or take away
+OFF_SHARE = 0.03
+"""Of the size of a motion: what turtlesim's updates and the period of a loop add or take away."""
 _ALIKE = 0.1  # of a motion's time: what updates and the period of a loop change is less
 _MOST_MOTIONS = 8
 _MOST_LINES = 12
@@ -145,7 +146,7 @@ def removing(script: ParsedScript, cost: float, statement: ast.stmt) -> Proposal
 def _all_fit(sizes: Sequence[float], wanted: Sequence[float]) -> bool:
     """Whether sizes have one sign, and each is one of those that are wanted."""
     return len({size > 0.0 for size in sizes}) == 1 and all(
-        any(abs(abs(size) - abs(one)) <= _FITS * abs(one) for one in wanted) for size in sizes
+        any(abs(abs(size) - abs(one)) <= OFF_SHARE * abs(one) for one in wanted) for size in sizes
     )
 
 

@@ -21,7 +21,7 @@ from grader.edits.asked import asked_of
 from grader.edits.causes import stated_cause
 from grader.edits.proposals import Candidate, candidates, syntax_candidates
 from grader.edits.received import received_ledger, received_script
-from grader.edits.situation import Cause, Proposal, Situation, WantedSizes
+from grader.edits.situation import OFF_SHARE, Cause, Proposal, Situation, WantedSizes
 from grader.edits.slices import calls_of
 from grader.edits.tree import changed_lines
 from grader.formats.interfaces import standard_entries, structures_of
@@ -52,7 +52,6 @@ _TURNED: Final = frozenset(("comparison", "exchanged"))
 """Kinds of change after which a car that only got stops may drive for ever, for what ended it never comes."""
 _UNLIKELY: Final = 4.0  # of cost: what is less plausible is told only where it suffices alone
 _AS_LIKELY: Final = 0.5  # of cost: proposals that are no further apart are taken to be equally likely
-_SAME: Final = 0.03  # of a drive or a turn: what updates of turtlesim change
 _SPINS: Final = (
     "await",
     "brackets",
@@ -234,7 +233,7 @@ class Search:
             return all(before.sizes_beside(one) == after.sizes_beside(one) for one in ("deg", "m"))
         unit = str(proposal.values.get("unit", "")) if proposal.code == "scaled" else ""
         sizes, later = (before.sizes_beside(unit), after.sizes_beside(unit)) if unit else ((), ())
-        return any(all(abs(one - other) > _SAME * one for other in later) for one in sizes)
+        return any(all(abs(one - other) > OFF_SHARE * one for other in later) for one in sizes)
 
     def _without_rival(
         self, text: str, now: Graded, steps: list[Step], proposed: Iterator[Candidate]
@@ -345,10 +344,8 @@ class Search:
     def _ignored_input(self, text: str, now: Graded, seen: Situation) -> int | None:
         """Return the line that reads what a case gives, where the drives of another case are the same."""
         calls = (one for name in ("input", "get_parameter") for one in calls_of(seen.script, name))
-        reading, given = (
-            next(calls, None),
-            {case.id: (case.stdin, case.args) for case in self._assignment.cases},
-        )
+        reading = next(calls, None)
+        given = {case.id: (case.stdin, case.args) for case in self._assignment.cases}
         other = next((id_ for id_, one in given.items() if one != given.get(now.case)), None)
         alone = None if reading is None or other is None else self._alone_in(other)
         if reading is None or alone is None:
@@ -372,15 +369,16 @@ class Search:
             for item in now.items
             if item.id.rpartition("/")[2] == spec.id and item.status not in _NOTHING_LOST
         )
+        assignment = self._assignment.in_case(now.case)
         return Situation(
             script=script,
             ledger=ledger,
             outcome=now.outcome,
-            wanted=wanted_of(self._assignment.in_case(now.case), lost),
+            wanted=wanted_of(assignment, lost),
             topic=self._assignment.world.cmd_vel_topic,
             lost=lost,
             fields=_fields_of(now.outcome.error, self._assignment),
-            asked=asked_of(self._assignment.in_case(now.case), lost),
+            asked=asked_of(assignment, lost),
         )
 
 
